@@ -16,7 +16,7 @@ NPM := $(VIEWER)/node_modules/.package-lock.json
 BUILT := platform/wildscav_stage/static/viewer/viewer.js
 BENCHMARKS := speed.compile speed.environments speed.legacy speed.maps speed.processes speed.rays speed.steps \
 	speed.vector_sensors \
-	services.executor services.server services.service strength.ratings strength.schedule
+	services.executor services.server services.service strength.ratings
 .DEFAULT_GOAL := help
 # Without its cache of bytecode, each process of ours would compile the sources again, for up to three seconds.
 unexport PYTHONDONTWRITEBYTECODE

@@ -1,14 +1,18 @@
-"""The output of every benchmark: figures as a table, and as JSON with a description of the machine."""
+"""What benchmarks share: measuring in turns, and figures as a table and as JSON."""
 
 import json
 import os
 import platform
-from collections.abc import Sequence
+import resource
+import time
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
+import numpy as np
 import typer
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
@@ -25,6 +29,41 @@ class Figure(NamedTuple):
     value: float
     unit: str
     note: str = ""
+
+
+def many(step: Callable[[int], object], steps: int) -> Callable[[], None]:
+    """Return what does some numbered steps."""
+
+    def work() -> None:
+        for number in range(steps):
+            step(number)
+
+    return work
+
+
+def in_turns(
+    works: Sequence[Callable[[], object]], rounds: int, clock: Callable[[], float] = time.perf_counter
+) -> NDArray[np.float64]:
+    """Return (rounds, works) s that works take, in turns: all see the same load. One more round warms up."""
+    taken = np.empty((rounds + 1, len(works)))
+    for row in taken:
+        for place, work in enumerate(works):
+            started = clock()
+            work()
+            row[place] = clock() - started
+    return taken[1:]
+
+
+def ratio(name: str, ratios: NDArray[np.float64]) -> Figure:
+    """Return the median of ratios, with their range."""
+    spread = f"median of {len(ratios)}, {ratios.min():.2f} to {ratios.max():.2f}"
+    return Figure(name, float(np.median(ratios)), "×", spread)
+
+
+def time_of_children() -> float:
+    """Return the processor time of the processes that were started here and have ended, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def publish(title: str, figures: Sequence[Figure], json_file: Path | None) -> None:

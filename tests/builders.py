@@ -17,6 +17,7 @@ from wildscav_engine.specs.actions import FIELDS, Field
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
+from wildscav_engine.tracks.rewards import FACTS, RewardSum, write_facts, write_terms
 
 # Boxes on half of the whole metres of a map, and in all rooms.
 RICH = SupplyConfig(
@@ -77,6 +78,14 @@ def make_match(track: str = "battle", world: World | None = None, seats: int = 1
     )
 
 
+def duel(world: World | None = None, **spec: Any) -> Match:
+    """A battle in which seat 0 looks north at seat 1, ten metres away, who looks back."""
+    match = make_match(world=world, seats=2, **spec)
+    place(match, 0, (0, 0, 0))
+    place(match, 1, (0, 0, 10), yaw=180)
+    return match
+
+
 def place(match: Match, seat: int, position: Sequence[float], yaw: float = 0.0, pitch: float = 0.0) -> None:
     """Put an agent somewhere, looking somewhere."""
     agents = match.state.agents
@@ -96,6 +105,23 @@ def lay_boxes(
     supplies.appears[0, :count] = 0
     supplies.serial[0, :count] = np.arange(serial, serial + count)
     index_boxes_of(match)
+
+
+def facts_of(match: Match) -> NDArray[np.float32]:
+    """The facts about the agents of a match, (A, FACTS), that rewards are made of."""
+    facts = np.zeros((1, match.seats, FACTS), np.float32)
+    write_facts(match.state.agents, match.state.matches, facts)
+    return facts[0]
+
+
+def paid_between(
+    before: NDArray[np.float32], after: NDArray[np.float32], **weights: float
+) -> dict[str, list[float]]:
+    """What each seat is paid for a step from its facts (A, FACTS) before and after, by term."""
+    arrays, paid = RewardSum(weights).term_arrays, np.zeros((len(after), len(weights)), np.float32)
+    for seat, values in enumerate(paid):
+        write_terms(arrays, before[seat], after[seat], values)
+    return dict(zip(weights, paid.T.tolist(), strict=True))
 
 
 def index_boxes_of(match: Match) -> None:

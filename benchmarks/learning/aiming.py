@@ -22,11 +22,12 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 import torch
 import typer
+from benchmarks.learning.imitation import Steps, agreement, joined, learn
 from benchmarks.strength.supplies_and_fights import matches_of
 from numpy.typing import NDArray
 from rich.progress import track as progress
@@ -60,18 +61,6 @@ class Lessons:
     learning_rate: float = 1e-3  # of Adam; it falls to 0 in a straight line in each round
     width: int = 192  # of both layers of the second network
     seed: int = 0
-
-
-class Said(NamedTuple):
-    """Steps of the policy, and what the marksman said."""
-
-    seen: NDArray[np.float32]  # (N, n) what the policy saw
-    done: NDArray[np.int64]  # (N, 4) the numbers of the turn and of the look, and whether to shoot and reload
-
-
-def all_of(parts: Sequence[Said]) -> Said:
-    """Return the steps of all parts."""
-    return Said(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 class Pupil(Agent):
@@ -138,8 +127,8 @@ class Pupils(SubmissionOpponent):
         return pupil
 
 
-def play(folder: Path, spec: MatchSpec, lessons: Lessons) -> Said:
-    """Let copies of a policy play one match, and return their steps."""
+def play(folder: Path, spec: MatchSpec, lessons: Lessons) -> Steps:
+    """Let copies of a policy play one match, and return their steps, with what the marksman said."""
     fighters = [seat for seat, name in enumerate(spec.seats) if name == "fighter"]
     seats = np.array([spec.seats.index(SUBMISSION), *fighters[: lessons.copies - 1]])
     names = [SUBMISSION if seat in seats else name for seat, name in enumerate(spec.seats)]
@@ -153,16 +142,16 @@ def play(folder: Path, spec: MatchSpec, lessons: Lessons) -> Said:
     random = np.random.default_rng(spec.seed)
     kept = [one for one in pupils.noted if one[2] or random.random() < lessons.peace]
     seen, done = (np.array([one[place] for one in kept]) for place in (0, 1))
-    return Said(seen.astype(np.float32), done.astype(np.int64))
+    return Steps(torch.from_numpy(seen.astype(np.float32)), torch.from_numpy(done.astype(np.int64)))
 
 
-def play_round(folder: Path, number: int, lessons: Lessons) -> Said:
+def play_round(folder: Path, number: int, lessons: Lessons) -> Steps:
     """Let a policy play the matches of a round, in one process per core."""
     specs = matches_of("battle", "wild", lessons.matches, FIRST_SEED + number * lessons.matches)
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
         waiting = [pool.submit(play, folder, spec, lessons) for spec in specs]
         played = [one.result() for one in progress(waiting, f"round {number + 1}: playing")]
-    return all_of(played)
+    return joined(played)
 
 
 class Marksman(nn.Module):
@@ -187,41 +176,10 @@ class Marksman(nn.Module):
         return self.layers[2](torch.cat((theirs, own), dim=1))  # type: ignore[no-any-return]
 
 
-def learn(marksman: Marksman, said: Said, sizes: Sequence[int], epochs: int, lessons: Lessons) -> None:
-    """Learn what was said; the loss is the negative logarithm of its probability."""
-    seen, done = torch.from_numpy(said.seen), torch.from_numpy(said.done)
-    adam = torch.optim.Adam(marksman.parameters())
-    for epoch in progress(range(epochs), "learning"):
-        for group in adam.param_groups:
-            group["lr"] = lessons.learning_rate * (1.0 - epoch / epochs)
-        for place in torch.randperm(len(seen)).split(lessons.minibatch):
-            parts = marksman(seen[place]).split(list(sizes), dim=1)
-            losses = [
-                nn.functional.cross_entropy(part, done[place, index]) for index, part in enumerate(parts)
-            ]
-            adam.zero_grad()
-            torch.stack(losses).sum().backward()
-            adam.step()
-
-
-@torch.no_grad()
-def agreement(marksman: Marksman, said: Said, sizes: Sequence[int]) -> list[float]:
-    """Return the share of steps in which it would do what was said: turn, look, shoot and reload."""
-    parts = marksman(torch.from_numpy(said.seen)).split(list(sizes), dim=1)
-    likeliest = np.stack([part.argmax(dim=1).numpy() for part in parts], axis=1)
-    return [round(float(share), 3) for share in (likeliest == said.done).mean(axis=0)]
-
-
-def joined(
+def one_network(
     first: Mapping[str, NDArray[np.float32]], marksman: Marksman, rows: Sequence[int]
 ) -> dict[str, NDArray[np.float32]]:
-    """Return both networks as one.
-
-    Args:
-        first: The policy's.
-        marksman: The second one.
-        rows: The outputs of the first that the second one's replace.
-    """
+    """Return both networks as one; the second one's outputs replace these rows of the first one's."""
     weights = [layer.weight.detach().numpy() for layer in marksman.layers]
     biases = [layer.bias.detach().numpy() for layer in marksman.layers]
     own = len(biases[0])
@@ -281,8 +239,9 @@ def main(
         found = agreement(marksman, said, sizes)
         heard.append(said)
         epochs = lessons.epochs * (2 if number == lessons.rounds - 1 else 1)
-        learn(marksman, all_of(heard), sizes, epochs, lessons)
-        np.savez(out / "network.npz", **joined(first, marksman, rows))
+        rates = {"minibatch": lessons.minibatch, "learning_rate": lessons.learning_rate}
+        learn(marksman, joined(heard), sizes, epochs=epochs, **rates)
+        np.savez(out / "network.npz", **one_network(first, marksman, rows))
         sys.stdout.write(f"round {number + 1}: {len(said.seen):,} steps, agreement before {found}\n")
         sys.stdout.flush()
     about = {"lessons": asdict(lessons), "agreement": found, "seconds": round(time.monotonic() - began)}

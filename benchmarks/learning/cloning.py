@@ -14,19 +14,19 @@ measures it beside others.
 import json
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import minari
 import numpy as np
 import torch
 import typer
-from rich.progress import track
-from torch import Tensor, nn
+from benchmarks.learning.imitation import Steps, agreement, joined, learn
+from torch import nn
 
 from wildscav.cli.init import write_files
 from wildscav.policy.networks import Choose
@@ -54,13 +54,6 @@ class Cloning:
     seed: int = 0
 
 
-class Steps(NamedTuple):
-    """Steps of the agent."""
-
-    seen: Tensor  # (N, n)
-    done: Tensor  # (N, D) the number of the choice in each dimension
-
-
 def played() -> tuple[list[Steps], list[int]]:
     """Return the steps of each match, and the number of choices in each dimension (D,)."""
     if DATA not in minari.list_local_datasets():
@@ -75,11 +68,6 @@ def played() -> tuple[list[Steps], list[int]]:
     return episodes, sizes
 
 
-def joined(episodes: Sequence[Steps]) -> Steps:
-    """Return the steps of all episodes."""
-    return Steps(*(torch.cat(column) for column in zip(*episodes, strict=True)))
-
-
 def network_of(inputs: int, layers: Sequence[int], choices: int) -> nn.Sequential:
     """Return a network that knows nothing."""
     widths = (inputs, *layers)
@@ -87,40 +75,13 @@ def network_of(inputs: int, layers: Sequence[int], choices: int) -> nn.Sequentia
     return nn.Sequential(*hidden, nn.Linear(widths[-1], choices))
 
 
-def minibatches(steps: Steps, cloning: Cloning) -> Iterator[tuple[float, Steps]]:
-    """Yield the share of the training that is over, and steps to learn from, each once in an epoch."""
-    for epoch in track(range(cloning.epochs), "epochs"):
-        for place in torch.randperm(len(steps.seen)).split(cloning.minibatch):
-            yield epoch / cloning.epochs, Steps(steps.seen[place], steps.done[place])
-
-
 def cloned(steps: Steps, sizes: Sequence[int], cloning: Cloning) -> nn.Sequential:
-    """Return a network that has learned what was done in the steps.
-
-    Its loss is the negative logarithm of the probability of the actions, which are independent of each other.
-    """
+    """Return a network that has learned what was done in the steps."""
     torch.manual_seed(cloning.seed)
     network = network_of(steps.seen.shape[1], cloning.layers, sum(sizes))
-    adam = torch.optim.Adam(network.parameters())
-    for over, (seen, done) in minibatches(steps, cloning):
-        for group in adam.param_groups:
-            group["lr"] = cloning.learning_rate * (1.0 - over)
-        adam.zero_grad()
-        parts = network(seen).split(list(sizes), dim=1)
-        losses = [nn.functional.cross_entropy(part, done[:, place]) for place, part in enumerate(parts)]
-        torch.stack(losses).sum().backward()
-        adam.step()
+    rates = {"minibatch": cloning.minibatch, "learning_rate": cloning.learning_rate}
+    learn(network, steps, sizes, epochs=cloning.epochs, **rates)
     return network
-
-
-@torch.no_grad()
-def agreement(network: nn.Sequential, steps: Steps, sizes: Sequence[int]) -> list[float]:
-    """Return the share of steps in which the likeliest choice is what was done, for each dimension."""
-    parts = network(steps.seen).split(list(sizes), dim=1)
-    return [
-        round(float((part.argmax(dim=1) == steps.done[:, place]).float().mean()), 4)
-        for place, part in enumerate(parts)
-    ]
 
 
 def files_of(network: nn.Sequential, name: str, choose: Choose) -> dict[str, bytes]:

@@ -10,7 +10,10 @@ begins anew. ``wildscav train`` with the options of ``settings_of`` gives the sa
 An episode has at most 400 steps of 15 frames. Starts and targets are anywhere on the map.
 """
 
+import statistics
 import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -18,10 +21,9 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import torch
 import typer
-from benchmarks.learning.measured_training import trained
-from benchmarks.learning.paper_curves import draw
-from benchmarks.learning.paper_table import table
+from benchmarks.learning.paper_table import draw, table
 from benchmarks.learning.result_files import add, numbers
+from benchmarks.report import machine
 from numpy.typing import NDArray
 
 from wildscav_engine.envs import SeatController
@@ -30,6 +32,7 @@ from wildscav_engine.specs.actions import FIELDS
 from wildscav_engine.specs.rules import FRAME
 from wildscav_training.learning.environment import make_env, sizes_of
 from wildscav_training.learning.evaluation import FIRST, play_episodes
+from wildscav_training.learning.ppo import PPO
 from wildscav_training.learning.settings import TrainingSettings, preset_settings
 from wildscav_training.opponents import Oracle, submission
 
@@ -38,6 +41,11 @@ FRAMES, TIME_LIMIT = 15, 120.0  # of a step; s, 400 steps
 STEPS = {103: 200_000, 104: 200_000, 101: 150_000, 102: 150_000, 14: 300_000, 8: 300_000}  # of training
 EPISODES = 200  # of each score
 POINT_EPISODES = 50  # of each point
+EARLY, POINTS = (0, 1, 2, 3), 6  # of a learning curve: after so many rollouts, and so many evenly
+WAYS = ("sampled", "deterministic")
+
+# From a policy, its run, a number of episodes and the way to choose actions to the episodes' numbers by name.
+Play = Callable[[Any, TrainingSettings, int, str], Mapping[str, Sequence[float]]]
 
 
 class Episodes(NamedTuple):
@@ -84,13 +92,7 @@ def untrained(settings: TrainingSettings) -> dict[str, Any]:
 
 
 def agent_played(agent: SeatController, settings: TrainingSettings, frames: int) -> Episodes:
-    """Let an agent play the test episodes.
-
-    Args:
-        agent: The agent.
-        settings: The run that tells the episodes.
-        frames: Frames of its own steps.
-    """
+    """Let an agent, whose own steps have some frames, play the test episodes of a run."""
     env = make_env(settings, EPISODES, None, split="test")
     env.reset(seed=FIRST)
     batch = play_out(agent, env.arena.batch, frames)
@@ -98,13 +100,7 @@ def agent_played(agent: SeatController, settings: TrainingSettings, frames: int)
 
 
 def play_out(agent: SeatController, made: Any, frames: int) -> Batch:
-    """Let an agent play all seats of matches from their start to their end, and return them.
-
-    Args:
-        agent: The agent.
-        made: The matches, which stay as they are.
-        frames: Frames of the agent's own steps.
-    """
+    """Let an agent, whose own steps have some frames, play all seats of copies of matches; return these."""
     batch = Batch([spec.model_copy(update={"frames_per_action": frames}) for spec in made.specs], made.maps)
     count, per_match = len(made.specs), len(made.specs[0].seats)
     matches, seats = np.divmod(np.arange(count * per_match), per_match)
@@ -115,6 +111,41 @@ def play_out(agent: SeatController, made: Any, frames: int) -> Batch:
         rows[matches[going], seats[going]] = agent.act(batch, matches[going], seats[going])
         batch.step(rows)
     return batch
+
+
+def trained(
+    settings: TrainingSettings, play: Play, of_curve: str, episodes: tuple[int, int]
+) -> dict[str, Any]:
+    """Train a policy and measure it; return what JSON can store.
+
+    The curve has the means of one number by its name. There are so many episodes of each of its points, and
+    of each score at the end.
+    """
+
+    def point() -> tuple[int, float]:
+        found = play(learner.policy, settings, episodes[0], "sampled")
+        return learner.steps, statistics.fmean(found[of_curve])
+
+    learner = PPO(settings)
+    cpu = wall = 0.0
+    points = {*EARLY, *(-(-learner.total * place // POINTS) for place in range(1, POINTS + 1))}
+    curve = [point()]
+    while learner.rollouts < learner.total:
+        cpu_start, wall_start = time.process_time(), time.monotonic()
+        learner.iterate()
+        cpu, wall = cpu + time.process_time() - cpu_start, wall + time.monotonic() - wall_start
+        if learner.rollouts in points:
+            curve.append(point())
+    return {
+        "map": settings.options.get("map"),
+        "seed": settings.seed,
+        "steps": learner.steps,
+        "cpu_seconds": round(cpu, 1),
+        "wall_seconds": round(wall, 1),
+        "machine": {key: value for key, value in machine().items() if key in {"processor", "cores"}},
+        "curve": curve,
+        "scores": {way: dict(play(learner.policy, settings, episodes[1], way)) for way in WAYS},
+    }
 
 
 def main(

@@ -16,8 +16,7 @@ from typing import Annotated, Any
 import numpy as np
 import torch
 import typer
-from benchmarks.learning.measured_training import trained
-from benchmarks.learning.paper import EPISODES, FRAMES, POINT_EPISODES, RESULTS, play_out
+from benchmarks.learning.paper import EPISODES, FRAMES, POINT_EPISODES, RESULTS, play_out, trained
 from benchmarks.learning.paper_table import team_table
 from benchmarks.learning.result_files import add, numbers
 from numpy.typing import NDArray
@@ -51,13 +50,7 @@ def settings_of(task: str, seed: int) -> TrainingSettings:
 
 
 def numbers_of(batch: Batch, match: int, boxes: int) -> dict[str, int]:
-    """Return what a team achieved in a match that has ended.
-
-    Args:
-        batch: The matches.
-        match: The index of the match.
-        boxes: The boxes that it had at its start.
-    """
+    """Return what a team achieved in a match that has ended, and that had so many boxes at its start."""
     state = batch.state
     return {
         "boxes": int(boxes) - int(np.count_nonzero(state.supplies.quantity[match])),
@@ -101,14 +94,7 @@ def played(policy: Any, settings: TrainingSettings, episodes: int, choose: str) 
 def agents_played(
     agent: SeatController, settings: TrainingSettings, frames: int, episodes: int
 ) -> dict[str, list[int]]:
-    """Let an agent play test episodes in all seats of the team.
-
-    Args:
-        agent: The agent.
-        settings: The run that tells the episodes.
-        frames: Frames of its own steps.
-        episodes: E.
-    """
+    """Let an agent, whose own steps have some frames, play test episodes in all seats of the team."""
     made: Any = test_env(settings, episodes).arena.batch
     boxes = boxes_of(made)
     batch = play_out(agent, made, frames)

@@ -4,6 +4,7 @@ import functools
 import time
 
 import numpy as np
+from benchmarks.report import in_turns
 from benchmarks.speed import maps, steps
 
 from wildscav_engine.maps import generate_map
@@ -30,12 +31,8 @@ def agents(seats: int) -> dict[str, float]:
 @functools.cache
 def bandwidth() -> float:
     """Return how many bytes one core reads from memory in a second."""
-    numbers, taken = np.ones(1 << 25), []
-    for _ in range(5):
-        started = time.thread_time()
-        numbers.max()
-        taken.append(time.thread_time() - started)
-    return numbers.nbytes / min(taken)
+    numbers = np.ones(1 << 25)
+    return float(numbers.nbytes / in_turns([numbers.max], 4, time.thread_time).min())
 
 
 def map_size(size: int) -> dict[str, float]:
@@ -44,13 +41,8 @@ def map_size(size: int) -> dict[str, float]:
     Maps of one size are also made by one and by two workers, as ``wildscav map make`` does.
     """
     config = maps.case(size, HOUSES[size], "low", 1).config
-    generate_map(maps.WARM_UP.config, maps.WARM_UP_SEED)
-    taken = []
-    for _ in range(3 if size <= SMALL else 1):
-        started = time.thread_time()
-        generate_map(config, 0)
-        taken.append(time.thread_time() - started)
-    found = {"seconds": min(taken), "megabytes": maps.peak_memory(config)}
+    taken = in_turns([lambda: generate_map(config, 0)], 2 if size <= SMALL else 1, time.thread_time)
+    found = {"seconds": float(taken.min()), "megabytes": maps.memory(config)[0]}
     if size == POOLED:
         found |= {f"maps_a_second_{workers}": _maps_a_second(workers) for workers in (1, 2)}
     return found

@@ -28,10 +28,7 @@ def nodes(count: int) -> dict[str, float]:
 def matches_a_second(count: int, match: float, first: float) -> float:
     """Simulate an evaluation on some nodes, each of whose cores plays one match after the other.
 
-    Args:
-        count: Number of nodes.
-        match: Time of a match, s.
-        first: How much longer the first match of a core waits, s.
+    A match takes some seconds, and the first of a core waits some more.
     """
     cores = [(0.0, core) for core in range(count * CORES)]  # when each is free
     planned, command, last = len(cores) * MATCHES_A_CORE, 0.0, 0.0

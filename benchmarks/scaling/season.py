@@ -6,8 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from benchmarks.services.large_season import Size, make_large_season
-from benchmarks.services.load import ask
-from benchmarks.services.service import children_of, free_port, processor_time, served, wait_for
+from benchmarks.services.service import ask, children_of, free_port, processor_time, served, wait_for
 from sqlalchemy import delete, select, update
 from tests.leaderboard.results_made import made_result
 
@@ -35,7 +34,7 @@ def results(count: int) -> dict[str, float]:
     """Measure a season in SQLite that has some results."""
     with tempfile.TemporaryDirectory() as folder:
         size = SIZES[count]
-        season, _, _ = make_large_season(Path(folder) / "season", free_port(), size)
+        season = make_large_season(Path(folder) / "season", free_port(), size)
         found = _adding(season, size)
         return found | _pages(season, PAGES | {"match_page": f"/matches/{size.matches - 1}"})
 

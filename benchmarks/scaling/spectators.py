@@ -96,7 +96,7 @@ class Spectators:
 def spectators(count: int) -> dict[str, float]:
     """Measure spectators of a battle of four, with a stream each."""
     with tempfile.TemporaryDirectory() as folder:
-        season, _, _ = make_large_season(Path(folder) / "season", free_port(), SIZE)
+        season = make_large_season(Path(folder) / "season", free_port(), SIZE)
         spec = _play_last(season)
         port = season.settings.web.port
         with served(season, "web") as web:

@@ -6,16 +6,14 @@ The match server and the agent share this process, and the bridge is its own.
 import asyncio
 import contextlib
 import io
-import resource
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import typer
-from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.report import Figure, JsonFile, publish, time_of_children
 
 from wildscav import Action, Agent, MatchInfo, Observation
 from wildscav.keyboard import KeysSeat
@@ -107,15 +105,6 @@ async def times_of(interface: str, asked: Sensors, work: Callable[[str, str], li
     return min(times) * 1e3
 
 
-@contextmanager
-def of_the_bridge(spent: list[float]) -> Iterator[None]:
-    """Note the processor time of the processes that ended within the block, s."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    yield
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    spent.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-
-
 def main(json_file: JsonFile = None) -> None:
     """Measure, and print the figures."""
     plans = {
@@ -125,18 +114,15 @@ def main(json_file: JsonFile = None) -> None:
         "numbers, a step, with a screen": ("numbers", SCREEN, numbers),
         "keys, a step": ("keys", SCREEN, keys),
     }
-    figures = []
-    start: list[float] = []
-    with of_the_bridge(start):
-        asyncio.run(times_of("words", sensors(), nothing))
-    figures.append(Figure("start of the bridge, processor time", start[0], "s"))
+    before = time_of_children()
+    asyncio.run(times_of("words", sensors(), nothing))
+    start = time_of_children() - before
+    figures = [Figure("start of the bridge, processor time", start, "s")]
     for name, plan in plans.items():
-        spent: list[float] = []
-        with of_the_bridge(spent):
-            took = asyncio.run(times_of(*plan))
-        figures.append(Figure(name, took, "ms"))
+        before = time_of_children()
+        figures.append(Figure(name, asyncio.run(times_of(*plan)), "ms"))
         if plan[0] != "numbers":
-            own = (spent[0] - start[0]) / STEPS * 1e3
+            own = (time_of_children() - before - start) / STEPS * 1e3
             figures.append(Figure("… processor time in the bridge", own, "ms a step"))
     publish("the bridge to seats of words and keys", figures, json_file)
 

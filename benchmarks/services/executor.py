@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import typer
 from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.services.service import processor_time
 
 from wildscav_engine.maps.cache import map_of
 from wildscav_evaluator.executors import Executor
@@ -112,21 +113,17 @@ def play(executor: Executor, out: Path) -> Run:
     """Play the sample."""
     jobs = sample(plan_in(out))
     with executor, executor.players(jobs) as players:
-        processor, began = processor_time(), time.perf_counter()
+        processor, began = processor_time_here(), time.perf_counter()
         results = tuple(players.run(jobs))
         wall = time.perf_counter() - began
-        processor = processor_time() - processor
+        processor = processor_time_here() - processor
     in_matches = sum(result.timing.wall for result in results if result.timing is not None)
     return Run(wall, in_matches, processor, results)
 
 
-def processor_time() -> float:
+def processor_time_here() -> float:
     """Return the processor time of this process, and of the one that talks to the cluster, s."""
-    times = [time.process_time()]
-    for child in active_children():
-        fields = Path(f"/proc/{child.pid}/stat").read_text("ascii").rpartition(")")[2].split()
-        times.append((int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK"))
-    return sum(times)
+    return time.process_time() + sum(processor_time(child.pid or 0) for child in active_children())
 
 
 def ledger_time(out: Path, results: tuple[JobResult, ...]) -> float:

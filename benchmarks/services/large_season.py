@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from tests.leaderboard.results_made import made_result
 
 from wildscav_evaluator.suites.seeds import new_secret
-from wildscav_leaderboard.accounts.service import add_account, new_token, open_web_session
+from wildscav_leaderboard.accounts.service import add_account
 from wildscav_leaderboard.boards.matchmaking import ladder_match
 from wildscav_leaderboard.conductor.editions import begin_editions
 from wildscav_leaderboard.conductor.models import PLAY, Attempt
@@ -93,8 +93,8 @@ class Size(NamedTuple):
 LARGE = Size(1000, 90, 10_000)
 
 
-def make_large_season(folder: Path, port: int, size: Size = LARGE) -> tuple[Season, str, str]:
-    """Make a season in a new folder; return it with a token and a cookie of a team's member."""
+def make_large_season(folder: Path, port: int, size: Size = LARGE) -> Season:
+    """Make a season in a new folder."""
     folder.mkdir(parents=True)
     now = datetime.now(UTC)
     settings = SETTINGS.format(
@@ -114,25 +114,23 @@ def make_large_season(folder: Path, port: int, size: Size = LARGE) -> tuple[Seas
     with database.writing() as session:
         begin_editions(session, season, now)
         season = in_force(session, season)
-        token, cookie = _add_people(session, size, now)
+        _add_people(session, size, now)
         entrants = _add_submissions(session, size, now)
     _add_matches(database, season, size, entrants, now)
     for copy in range(1, size.copies):
         _copy_matches(database, size, copy)
     database.close()
-    return season, token, cookie
+    return season
 
 
-def _add_people(session: Session, size: Size, now: datetime) -> tuple[str, str]:
-    """Add all teams, each with one member; return a token and a cookie of the first team's."""
-    teams = size.submissions // PER_TEAM
-    first = add_account(session, "member-1", "no hash", "competitor", now)
-    for number in range(2, teams + 1):
+def _add_people(session: Session, size: Size, now: datetime) -> None:
+    """Add all teams, each with one member."""
+    teams = range(1, size.submissions // PER_TEAM + 1)
+    for number in teams:
         add_account(session, f"member-{number}", "no hash", "competitor", now)
-    session.add_all(Team(name=f"team-{one}", title=f"Team {one}", created=now) for one in range(1, teams + 1))
+    session.add_all(Team(name=f"team-{one}", title=f"Team {one}", created=now) for one in teams)
     session.flush()
-    session.add_all(Member(account_id=one, team_id=one, joined=now) for one in range(1, teams + 1))
-    return new_token(session, first, "benchmark", now), open_web_session(session, first, now)[0]
+    session.add_all(Member(account_id=one, team_id=one, joined=now) for one in teams)
 
 
 def _add_submissions(session: Session, size: Size, now: datetime) -> list[str]:

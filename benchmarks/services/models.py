@@ -5,7 +5,6 @@
 The model is a script on this machine. Each worker plays two matches in bubblewrap.
 """
 
-import resource
 import subprocess
 import sys
 import tempfile
@@ -13,7 +12,7 @@ import time
 from pathlib import Path
 
 import typer
-from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.report import Figure, JsonFile, publish, time_of_children
 from tests.scripted_mind import mind
 from tests.scripted_model import Late, ScriptedModel
 
@@ -47,15 +46,14 @@ def measure(workers: int, model: ScriptedModel, folder: Path) -> list[Figure]:
     (folder / "model.toml").write_text(f'url = "{model.url}"\nname = "{model.name}"\n')
     options = f"--suite suite.toml --model model.toml --out {workers} --workers {workers} --replays none"
     command = [Path(sys.executable).with_name("wildscav"), "evaluate", TALKER, "--sandbox", "bubblewrap"]
-    before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    used, began = time_of_children(), time.perf_counter()
     with subprocess.Popen([*command, *options.split()], cwd=folder, stdout=subprocess.DEVNULL) as playing:
         while playing.poll() is None:
             most = max(most, memory(playing.pid))
             time.sleep(1.0)
     if playing.returncode:
         raise RuntimeError(f"the evaluation ended with code {playing.returncode}")
-    seconds, after = time.perf_counter() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
-    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    seconds, used = time.perf_counter() - began, time_of_children() - used
     note = f"{(len(model.requests) - asked) / matches:.1f} answers a match; {seconds:.0f} s in all"
     return [
         Figure(f"{workers} at once: matches", 60.0 * matches / seconds, "a minute", note),

@@ -9,7 +9,6 @@ import wildscav  # noqa: F401 - before gRPC, which it configures
 
 import asyncio
 import os
-import resource
 import statistics
 import sys
 import tempfile
@@ -18,7 +17,7 @@ from pathlib import Path
 
 import grpc
 import typer
-from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.report import Figure, JsonFile, publish, time_of_children
 from benchmarks.services import echo
 
 from wildscav.grpc_settings import EXPERIMENTS, VARIABLE
@@ -89,13 +88,7 @@ async def steps_a_second(folder: Path, seats: int) -> float:
 
 
 async def rounds_a_second(folder: Path, clients: int, experiments: str) -> float:
-    """Return the mean rounds a second of several clients that use a bare stream at the same time.
-
-    Args:
-        folder: For the socket and the messages.
-        clients: The number of clients.
-        experiments: The experiments that gRPC is configured with.
-    """
+    """Return the mean rounds a second of clients of a bare stream, with some experiments of gRPC."""
     environment = {**os.environ, VARIABLE: experiments}
     address, messages = f"unix:{folder}/echo.sock", folder / "messages"
     echo.write_messages(messages, sample_messages(clients))
@@ -173,20 +166,15 @@ async def play_shared(folder: Path, count: int) -> float:
 
 def crowd(folder: Path) -> list[Figure]:
     """Measure many simultaneous matches on one server."""
-    before, started = _processor_time(), time.perf_counter()
+    before, started = time.process_time() + time_of_children(), time.perf_counter()
     total = asyncio.run(play_shared(folder, AT_ONCE))
-    wall, used = time.perf_counter() - started, _processor_time() - before
+    wall, used = time.perf_counter() - started, time.process_time() + time_of_children() - before
     return [
         Figure(
             f"{AT_ONCE} matches at once", total, "steps/s", "all together, one agent each; start-up included"
         ),
         Figure("cores used by them", used / wall, "cores", f"of {cores()}, start-up included"),
     ]
-
-
-def _processor_time() -> float:
-    who = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-    return sum(use.ru_utime + use.ru_stime for use in map(resource.getrusage, who))
 
 
 def main(json: JsonFile = None) -> None:

@@ -3,26 +3,26 @@
 For comparison, a bare FastAPI application with one route is served with the same settings.
 """
 
+import asyncio
 import os
 import signal
 import socket
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import httpx
+import numpy as np
 import typer
 from benchmarks.report import Figure, JsonFile, publish
 from benchmarks.services import large_season
-from benchmarks.services.load import Load, ask
 from sqlalchemy import func, select
-from tests.leaderboard.agents import write_agent
 
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import refresh
@@ -30,7 +30,6 @@ from wildscav_leaderboard.conductor.conductor import now
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.matches.models import MatchResult
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.submissions.packing import pack
 
 PAGES = {
     "board page": "/boards/navigation",
@@ -42,7 +41,6 @@ PAGES = {
 }
 CONNECTIONS = 8
 RATE = 50.0  # requests a second at which latencies are measured
-UPLOAD = 100  # MiB
 START = 600.0  # s
 HELLO = """
 import sys, uvicorn
@@ -57,15 +55,76 @@ uvicorn.run(app, host="127.0.0.1", **given)
 """
 
 
+@dataclass
+class Load:
+    """What a server did under a load."""
+
+    latencies: list[float] = field(default_factory=list)  # s
+    seconds: float = 0.0
+    failures: int = 0  # answers that were not 200
+    size: int = 0  # bytes of a body
+
+    @property
+    def rate(self) -> float:
+        """Requests a second."""
+        return len(self.latencies) / self.seconds
+
+    def percentile(self, share: float) -> float:
+        """Return a percentile of the latencies, ms."""
+        return 1000.0 * float(np.percentile(self.latencies, share))
+
+
+def ask(port: int, path: str, *, seconds: float, connections: int, rate: float | None) -> Load:
+    """Ask a server on this machine for a page for some time; each connection waits for its answer.
+
+    Latencies count from when each request was due by the rate a second; None for as many as possible.
+    """
+    return asyncio.run(_ask(port, path, seconds, connections, rate))
+
+
+async def _ask(port: int, path: str, seconds: float, connections: int, rate: float | None) -> Load:
+    load = Load()
+    request = f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode()
+    begun = time.perf_counter()
+    due = iter(range(10**9))
+
+    async def go_on() -> None:
+        reader, writer = await asyncio.open_connection("127.0.0.1", port, limit=1 << 22)
+        try:
+            while True:
+                start = begun + next(due) / rate if rate else time.perf_counter()
+                if max(start, time.perf_counter()) >= begun + seconds:
+                    return
+                await asyncio.sleep(max(0.0, start - time.perf_counter()))
+                writer.write(request)
+                status, body = await read_answer(reader)
+                load.size = len(body)
+                load.latencies.append(time.perf_counter() - start)
+                load.failures += status != 200
+        finally:
+            writer.close()
+
+    await asyncio.gather(*(go_on() for _ in range(connections)))
+    load.seconds = time.perf_counter() - begun
+    return load
+
+
+async def read_answer(reader: asyncio.StreamReader) -> tuple[int, bytes]:
+    """Read an answer; return its status and its body."""
+    head = await reader.readuntil(b"\r\n\r\n")
+    size = int(head.lower().partition(b"content-length: ")[2].split(b"\r\n")[0])
+    return int(head.split(b" ", 2)[1]), await reader.readexactly(size)
+
+
 def main(
     seconds: Annotated[float, typer.Option(help="For each page and load.")] = 10.0,
     folder: Annotated[Path | None, typer.Option(help="Keep the season here, and use it again.")] = None,
     json_file: JsonFile = None,
 ) -> None:
-    """Print latencies and rates of pages, and what an upload does to the server's memory."""
+    """Print latencies and rates of pages."""
     with ExitStack() as stack:
         place = folder or Path(stack.enter_context(TemporaryDirectory()))
-        season, token, cookie = _season(place)
+        season = _season(place)
         figures = _refreshing(season)
         port = season.settings.web.port
         stack.enter_context(served(season, "conductor"))
@@ -79,20 +138,13 @@ def main(
         figures.append(Figure("bare FastAPI route: sustained", hello.rate, "requests/s"))
         for name, path in PAGES.items():
             figures += _page(name, port, path, seconds, hello, server)
-        figures += _page("board page, logged in", port, PAGES["board page"], seconds, hello, server, cookie)
-        figures.append(_upload(port, token, server, _large_archive(place)))
     publish("A season of 1,000 submissions and 100,000 results in SQLite", figures, json_file)
 
 
-def _season(place: Path) -> tuple[Season, str, str]:
-    """Return the season, its token and its cookie; make it if it is not there."""
-    kept = place / "keys.txt"
-    if kept.exists():
-        token, cookie = kept.read_text().splitlines()
-        return Season.open(place / "season"), token, cookie
-    season, token, cookie = large_season.make_large_season(place / "season", free_port())
-    kept.write_text(f"{token}\n{cookie}\n")
-    return season, token, cookie
+def _season(place: Path) -> Season:
+    """Return the season; make it if it is not there."""
+    folder = place / "season"
+    return Season.open(folder) if folder.exists() else large_season.make_large_season(folder, free_port())
 
 
 def _refreshing(season: Season) -> list[Figure]:
@@ -113,13 +165,11 @@ def _refreshing(season: Season) -> list[Figure]:
     return [Figure("results", results, ""), *figures]
 
 
-def _page(
-    name: str, port: int, path: str, seconds: float, hello: Load, server: int, cookie: str = ""
-) -> list[Figure]:
-    ask(port, path, seconds=1.0, connections=1, rate=None, cookie=cookie)  # first come caches
-    steady = ask(port, path, seconds=seconds, connections=CONNECTIONS, rate=RATE, cookie=cookie)
+def _page(name: str, port: int, path: str, seconds: float, hello: Load, server: int) -> list[Figure]:
+    ask(port, path, seconds=1.0, connections=1, rate=None)  # first come caches
+    steady = ask(port, path, seconds=seconds, connections=CONNECTIONS, rate=RATE)
     before = processor_time(server)
-    most = ask(port, path, seconds=seconds, connections=CONNECTIONS, rate=None, cookie=cookie)
+    most = ask(port, path, seconds=seconds, connections=CONNECTIONS, rate=None)
     used = 1000.0 * (processor_time(server) - before) / len(most.latencies)
     if steady.failures or most.failures:
         raise RuntimeError(f"{path} was not answered")
@@ -132,58 +182,10 @@ def _page(
     ]
 
 
-def _large_archive(place: Path) -> Path:
-    """Return the archive of a submission that cannot be compressed, with other content each time."""
-    with TemporaryDirectory() as folder:
-        agent = write_agent(Path(folder), "heavy")
-        with (agent / "weights.bin").open("wb") as file:
-            for _ in range(UPLOAD):
-                file.write(os.urandom(1 << 20))
-        path = place / "heavy.tar.gz"
-        pack(agent, path)
-    return path
-
-
-def _upload(port: int, token: str, process: int, archive: Path) -> Figure:
-    """Upload a large archive, and return by how much the server's memory rose at most."""
-    before, most, ended = _memory(process), 0.0, threading.Event()
-
-    def watch() -> None:
-        nonlocal most
-        while not ended.wait(0.02):
-            most = max(most, _memory(process))
-
-    watcher = threading.Thread(target=watch)
-    watcher.start()
-
-    def pieces() -> Iterator[bytes]:
-        with archive.open("rb") as file:
-            while piece := file.read(1 << 20):
-                yield piece
-
-    answer = httpx.post(
-        f"http://127.0.0.1:{port}/api/v1/submissions",
-        content=pieces(),
-        headers={"Authorization": f"Bearer {token}"},
-        timeout=300,
-    )
-    ended.set()
-    watcher.join()
-    return Figure(
-        f"memory during an upload of {UPLOAD} MiB", most - before, "MiB", f"answer {answer.status_code}"
-    )
-
-
 def processor_time(process: int) -> float:
     """Return the processor time that a process has used, s."""
     fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def _memory(process: int) -> float:
-    """Return the resident memory of a process, MiB."""
-    pages = int(Path(f"/proc/{process}/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / (1 << 20)
 
 
 @contextmanager

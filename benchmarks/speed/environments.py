@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 import typer
-from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.report import Figure, JsonFile, in_turns, many, publish
 from benchmarks.speed.steps import (
     COUNTRY,
     ENV,
@@ -22,7 +22,6 @@ from benchmarks.speed.steps import (
     spec,
     vector_env,
 )
-from rich.progress import track
 
 from wildscav_engine.simulation.match import Match
 
@@ -87,14 +86,8 @@ def subjects() -> list[Subject]:
 def main(json_file: JsonFile = None) -> None:
     """Measure and print."""
     every = subjects()
-    taken: list[list[float]] = [[] for _ in every]
-    for turn in track(range(SLICES), "Measuring"):
-        for subject, times in zip(every, taken, strict=True):
-            started = time.thread_time()
-            for number in range(turn * subject.steps, (turn + 1) * subject.steps):
-                subject.step(number)
-            times.append((time.thread_time() - started) / subject.steps)
-    best = [float(np.quantile(times, 0.2)) for times in taken]
+    taken = in_turns([many(subject.step, subject.steps) for subject in every], SLICES, time.thread_time)
+    best = np.quantile(taken, 0.2, axis=0) / [subject.steps for subject in every]
     figures = []
     for subject, seconds in zip(every, best, strict=True):
         note = ""

@@ -1,7 +1,6 @@
 """Actions a second of the unmodified original client, with our engine and with one that does nothing."""
 
 import shlex
-import socket
 import statistics
 import subprocess
 import sys
@@ -13,6 +12,7 @@ from typing import Annotated
 
 import typer
 from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.services.service import free_port
 
 from wildscav_engine.compilation.caching.cache_folders import cache_root
 from wildscav_legacy.install import PROGRAM, install_engine, install_maps, missing_maps
@@ -50,9 +50,7 @@ def idle_engine(folder: Path) -> Path:
 
 def rates(python: Path, folder: Path, engine: Path, titles: Sequence[str]) -> list[float]:
     """Return the actions a second in some modes: calls of ``make_action``, each after ``get_state_all``."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        port = one.getsockname()[1]
+    port = free_port()
     modes = [",".join(map(str, MODES[title])) for title in titles]
     arguments = [python, HERE / "legacy_player.py", folder, engine, port, *modes]
     done = subprocess.run(

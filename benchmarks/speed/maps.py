@@ -1,4 +1,4 @@
-"""Time to lay out, explore, store and read maps of 40 to 2,000 m on one core, compiled, and their memory."""
+"""Time to make, store and read maps of 40 to 2,000 m on one core, compiled, and their memory."""
 
 import os
 import statistics
@@ -8,30 +8,21 @@ import tempfile
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import NamedTuple, TypeVar
 from unittest.mock import patch
 
-import numpy as np
 import typer
 from benchmarks.report import Figure, JsonFile, publish
 from rich.console import Console
 from rich.progress import track
 
-from wildscav_engine.geometry.world import World, build_world
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.cache import load_cached, store
-from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.maps.ground.terrain import water_of_cells
-from wildscav_engine.maps.layout import Layout, lay_out
 from wildscav_engine.maps.levels import LEVELS
-from wildscav_engine.maps.locations import Places, choose_places
-from wildscav_engine.maps.walk import NavGraph, build_graph, find_path
 from wildscav_engine.specs.map_spec import MapConfig
 
 WARM_UP_SEED = 999
 ENVIRONMENT = dict(os.environ)  # with the usual cache folder for compiled code
-PATHS = 40  # between random places of each map
 Made = TypeVar("Made")
 
 # Runs in a process of its own, so that nothing else counts.
@@ -101,49 +92,21 @@ def spread(taken: Sequence[float]) -> str:
     return f"median of {len(taken)}, {min(taken):.4f} to {max(taken):.4f}"
 
 
-def index(layout: Layout) -> World:
-    """Build the world of a layout, with its spatial index."""
-    terrain = layout.terrain
-    water = water_of_cells(terrain.heights, terrain.water_level)
-    return build_world(terrain.corner, terrain.heights, water, layout.solids, np.zeros((0, 3)))
-
-
-def explore(world: World, layout: Layout, seed: int) -> tuple[NavGraph, Places]:
-    """Find the reachable part of a map, and choose the places of the map there."""
-    graph = build_graph(world)
-    return graph, choose_places(graph, layout.houses, np.array(layout.solid_house, np.int16), seed)
-
-
 def measure(watch: Stopwatch, config: MapConfig, seed: int) -> None:
-    """Generate one map in steps and as a whole, store it, and find paths in it."""
-    layout = watch.time("laid out", lambda: lay_out(config, seed))
-    world = watch.time("indexed", lambda: index(layout))
-    graph, places = watch.time("reachability", lambda: explore(world, layout, seed))
-    game_map = watch.time("the whole of generate_map", lambda: generate_map(config, seed))
+    """Generate one map, store it, and read it."""
+    game_map = watch.time("made", lambda: generate_map(config, seed))
     watch.time("kept on disk", lambda: store(game_map))
     watch.time("read from disk", lambda: load_cached(game_map.spec))
-    find_paths(watch, game_map, graph, np.concatenate([places.ground, places.high, places.indoor]))
 
 
-def find_paths(watch: Stopwatch, game_map: GameMap, graph: NavGraph, places: np.ndarray) -> None:
-    """Find paths between random places of a map."""
-    random = np.random.default_rng(game_map.spec.seed)
-    for start, end in places[random.integers(len(places), size=(PATHS, 2))]:
-        if watch.time("shortest path", partial(find_path, graph, start, end)) is None:
-            raise RuntimeError(f"no path from {start} to {end} in {game_map.spec}")
-
-
-def memory(name: str, config: MapConfig) -> list[Figure]:
-    """Measure the memory of a map, and of the process that generates it at its peak."""
+def memory(config: MapConfig) -> tuple[float, float]:
+    """Return the peak memory of a process that makes a map, and that of the map, MB."""
     code = MEMORY.format(size=int(config.size), houses=config.houses)
     done = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=ENVIRONMENT
     )
     peak, taken = (int(number) / 1e6 for number in done.stdout.split())
-    return [
-        Figure(f"{name}: peak memory", peak, "MB", "of a process"),
-        Figure(f"{name}: memory", taken, "MB", "of the map"),
-    ]
+    return peak, taken
 
 
 def main(json_file: JsonFile = None) -> None:
@@ -160,7 +123,9 @@ def main(json_file: JsonFile = None) -> None:
             figures += watch.figures(name)
     # Measured last, so that nothing needs compiling, which also takes memory.
     for name, config, _ in SIZES:
-        figures += memory(name, config)
+        peak, taken = memory(config)
+        figures.append(Figure(f"{name}: peak memory", peak, "MB", "of a process"))
+        figures.append(Figure(f"{name}: memory", taken, "MB", "of the map"))
     publish("Maps: seconds on one core, after compilation", figures, json_file)
 
 

@@ -5,18 +5,16 @@ battle of ten as one Gymnasium environment, with no sensor but the measured one.
 see the same load of the machine. A tic of ViZDoom is 1/35 s of game time, a step of Wildscav 1/10 s.
 """
 
-import statistics
-import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import gymnasium
 import numpy as np
 import typer
-from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.report import Figure, JsonFile, in_turns, many, publish
+from benchmarks.speed.environments import one_env
 
 ROUNDS, STEPS, TICS = 7, 300, 4
 WIDTH, HEIGHT = 160, 120
@@ -70,31 +68,13 @@ def doom(closing: ExitStack, folder: Path, *, with_depth: bool) -> Play:
 
 def wildscav(sensors: dict[str, Any]) -> Play:
     """Return a function that plays a step of a battle of ten with a sensor."""
-    env = gymnasium.make(
-        "wildscav_engine:WildScav/Battle-v1", level="easy", random_maps=4, sensors=sensors, action_mode="box"
-    )
-    env.action_space.seed(0)
-    actions = [env.action_space.sample() for _ in range(64)]
-    env.reset(seed=0)
-
-    def step(number: int) -> None:
-        _, _, terminated, truncated, _ = env.step(actions[number % 64])
-        if terminated or truncated:
-            env.reset()
-
-    return step
+    return one_env("Battle", {"level": "easy", "random_maps": 4, "sensors": sensors, "action_mode": "box"})
 
 
 def rates_of(players: dict[str, Play]) -> dict[str, float]:
     """Return the steps a second of each player: the median of rounds in which they take turns."""
-    rates: dict[str, list[float]] = {name: [] for name in players}
-    for _ in range(ROUNDS + 1):  # the first warms up
-        for name, play in players.items():
-            started = time.perf_counter()
-            for number in range(STEPS):
-                play(number)
-            rates[name].append(STEPS / (time.perf_counter() - started))
-    return {name: statistics.median(values[1:]) for name, values in rates.items()}
+    taken = in_turns([many(play, STEPS) for play in players.values()], ROUNDS)
+    return dict(zip(players, (STEPS / np.median(taken, axis=0)).tolist(), strict=True))
 
 
 def main(json_file: JsonFile = None) -> None:

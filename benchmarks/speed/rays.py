@@ -6,12 +6,12 @@ Embree gets the exported mesh and precomputed rays in float32, while our times i
 
 import os
 import time
-from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from functools import partial
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
-from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.report import Figure, JsonFile, in_turns, publish, ratio
 from benchmarks.speed.agreement import check
 from benchmarks.speed.embree import Mesh, Rays, Tracer, mesh_of, rays_of
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera, Lidar, Screen
+from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera, Lidar
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -32,10 +32,9 @@ SIZES = ((10, 10), (38, 22), (64, 36))
 OUTDOOR, INDOOR = 200, 56  # poses
 PICTURES = ((640, 360), (84, 84))
 EVERY = 8  # of how many poses a picture is taken at one
-ROUNDS = 21  # over all poses; the first warms up
+ROUNDS = 20  # over all poses
 TIMES_FOR_THREADS = 8  # repetitions of the poses in a batch for threads
-SCREENS = ((160, 120), (640, 360))
-SENSOR_ROUNDS = 8  # of each sensor; the first warms up
+SENSOR_ROUNDS = 7  # of each sensor
 EYES = 1.5  # m above the ground
 STEEPEST = 30.0  # degrees up and down
 VIEWERS = 8  # agents in a batch of readings
@@ -64,29 +63,21 @@ def draw_poses(game_map: GameMap, outdoor: int, indoor: int, seed: int) -> Poses
     )
 
 
-def seconds(work: Callable[..., object], *values: Any, **named: Any) -> float:
-    """Return the seconds that a call takes."""
-    started = time.perf_counter()
-    work(*values, **named)
-    return time.perf_counter() - started
-
-
 def race(game_map: GameMap, tracer: Tracer, poses: Poses, size: tuple[int, int]) -> list[Figure]:
     """Measure one size of images: in each round all poses by Embree, by ours one by one, by ours at once."""
-    camera = DepthCamera(*size, FAR)
-    count = len(poses.yaws)
-    rays = [rays_of(*pose, *size) for pose in zip(*poses, strict=True)]
-    embree, alone, together = np.empty((ROUNDS, count)), np.empty((ROUNDS, count)), np.empty(ROUNDS)
-    for turn in range(ROUNDS):
-        for pose in range(count):
-            reach = np.full(size[0] * size[1], FAR, np.float32)  # Embree writes its answers there
-            embree[turn, pose] = seconds(tracer.distances, *rays[pose], reach)
-        for pose in range(count):
-            one = slice(pose, pose + 1)
-            single = poses.positions[one], poses.yaws[one], poses.pitches[one]
-            alone[turn, pose] = seconds(camera.render, game_map, *single)
-        together[turn] = seconds(camera.render, game_map, *poses) / count
-    return _figures(f"{size[0]} × {size[1]}", embree[1:], alone[1:], together[1:])
+    camera, count = DepthCamera(*size, FAR), len(poses.yaws)
+    reach = np.full(size[0] * size[1], FAR, np.float32)
+    embree = [
+        # It writes its answers into what it is given as reach.
+        partial(lambda rays: tracer.distances(*rays, reach.copy()), rays_of(*pose, *size))
+        for pose in zip(*poses, strict=True)
+    ]
+    alone = [
+        partial(camera.render, game_map, *(array[pose : pose + 1] for array in poses))
+        for pose in range(count)
+    ]
+    taken = in_turns([*embree, *alone, partial(camera.render, game_map, *poses)], ROUNDS)
+    return _figures(f"{size[0]} × {size[1]}", taken[:, :count], taken[:, count:-1], taken[:, -1] / count)
 
 
 def _figures(
@@ -100,11 +91,11 @@ def _figures(
         figures += [
             _microseconds(f"{size}, {place}: embreex", theirs),
             _microseconds(f"{size}, {place}: ours, a call a pose", ours),
-            _ratio(f"{size}, {place}: times embreex", theirs / ours),
+            ratio(f"{size}, {place}: times embreex", theirs / ours),
         ]
     theirs = embree.mean(axis=1)
     figures.append(_microseconds(f"{size}, all: ours, one call for all", together))
-    figures.append(_ratio(f"{size}, all: times embreex, one call for all", theirs / together))
+    figures.append(ratio(f"{size}, all: times embreex, one call for all", theirs / together))
     return figures
 
 
@@ -114,30 +105,22 @@ def _microseconds(name: str, taken: NDArray[np.float64]) -> Figure:
     return Figure(name, float(np.median(taken)) * 1e6, "µs", spread)
 
 
-def _ratio(name: str, ratios: NDArray[np.float64]) -> Figure:
-    return Figure(
-        name,
-        float(np.median(ratios)),
-        "×",
-        f"median of {len(ratios)}, {ratios.min():.2f} to {ratios.max():.2f}",
-    )
-
-
 def lidar_figures(game_map: GameMap, tracer: Tracer, poses: Poses) -> list[Figure]:
     """Measure LIDAR at its defaults as ``race`` measures depth maps: by Embree, and by ours at once."""
     lidar = Lidar()
     rays = [lidar_rays(lidar, *pose) for pose in zip(poses.positions, poses.yaws, strict=True)]
-    embree, ours = np.empty(SENSOR_ROUNDS), np.empty(SENSOR_ROUNDS)
-    for turn in range(SENSOR_ROUNDS):
-        reaches = np.full((len(rays), lidar.rays), lidar.range, np.float32)  # Embree writes its answers there
-        taken = [seconds(tracer.distances, *rays[pose], reaches[pose]) for pose in range(len(rays))]
-        embree[turn] = np.mean(taken)
-        ours[turn] = seconds(lidar.render, game_map, *poses) / len(rays)
+    reach = np.full(lidar.rays, lidar.range, np.float32)
+
+    def embree() -> None:
+        for origins, ways in rays:
+            tracer.distances(origins, ways, reach.copy())  # it writes its answers there
+
+    theirs, ours = in_turns([embree, partial(lidar.render, game_map, *poses)], SENSOR_ROUNDS).T / len(rays)
     name = f"lidar, {lidar.channels} × {lidar.azimuths}, all"
     return [
-        _microseconds(f"{name}: embreex", embree[1:]),
-        _microseconds(f"{name}: ours, one call for all", ours[1:]),
-        _ratio(f"{name}: times embreex", embree[1:] / ours[1:]),
+        _microseconds(f"{name}: embreex", theirs),
+        _microseconds(f"{name}: ours, one call for all", ours),
+        ratio(f"{name}: times embreex", theirs / ours),
     ]
 
 
@@ -161,14 +144,10 @@ def picture_figures(game_map: GameMap, poses: Poses) -> list[Figure]:
     for width, height in PICTURES:
         for shadows in (True, False):
             camera = ColorCamera(width=width, height=height, shadows=shadows)
-            taken = []
-            for _ in range(SENSOR_ROUNDS):
-                started = time.thread_time()
-                camera.render(game_map, *some)
-                taken.append(time.thread_time() - started)
-            rate = len(some.yaws) * width * height / min(taken[1:]) / 1e6
+            taken = in_turns([partial(camera.render, game_map, *some)], SENSOR_ROUNDS, time.thread_time)
+            rate = len(some.yaws) * width * height / float(taken.min()) / 1e6
             name = f"pictures, {width} × {height}, {'with' if shadows else 'without'} shadows"
-            figures.append(Figure(name, rate, "million pixels/s", f"best of {len(taken) - 1} rounds"))
+            figures.append(Figure(name, rate, "million pixels/s", f"best of {SENSOR_ROUNDS} rounds"))
     return figures
 
 
@@ -181,12 +160,10 @@ def thread_figures(game_map: GameMap, poses: Poses, cores: set[int]) -> list[Fig
     many = Poses(*(np.concatenate([array] * TIMES_FOR_THREADS) for array in poses))
     for size in SIZES:
         camera = DepthCamera(*size, FAR)
-        ratios = []
-        for _ in range(ROUNDS):
-            one = seconds(camera.render, game_map, *many)
-            ratios.append(one / seconds(camera.render, game_map, *many, threads=2))
+        render = partial(camera.render, game_map, *many)
+        one, two = in_turns([render, partial(render, threads=2)], ROUNDS).T
         name = f"{size[0]} × {size[1]}: two threads, times one, {len(many.yaws):,} images a call"
-        figures.append(_ratio(name, np.array(ratios[1:])))
+        figures.append(ratio(name, one / two))
     return figures
 
 
@@ -201,32 +178,15 @@ def sensor_figures(game_map: GameMap, poses: Poses) -> list[Figure]:
     for name, kind in SENSORS.items():
         sensor = kind()
         shape = " × ".join(map(str, sensor.space.shape))
-        alone, together = [], []
-        for _ in range(SENSOR_ROUNDS):
-            alone.append(sum(seconds(sensor.read, match, [seat]) for seat in range(VIEWERS)) / VIEWERS)
-            together.append(seconds(sensor.read, match, range(VIEWERS)) / VIEWERS)
-        figures += [
-            _microseconds(f"sensor {name}, {shape}: one agent a call", np.array(alone[1:])),
-            _microseconds(f"sensor {name}, {shape}: {VIEWERS} agents a call, each", np.array(together[1:])),
+        works = [
+            partial(sensor.read, match, seats)
+            for seats in (*([seat] for seat in range(VIEWERS)), range(VIEWERS))
         ]
-    return figures
-
-
-def display_figures(game_map: GameMap) -> list[Figure]:
-    """Measure what a screen costs more than the camera, in processor time: the best of the rounds."""
-    match = Match(MatchSpec(track="battle", map=game_map.spec, seats=("submission",) * VIEWERS), game_map)
-    seats, figures = np.arange(VIEWERS), []
-    match.state.agents.hit_by_seat[0] = 0  # a red frame, the most that is drawn
-    for width, height in SCREENS:
-        screen, taken = Screen(width=width, height=height), []
-        pictures = np.zeros((1, VIEWERS, *screen.shape), np.uint8)
-        for _ in range(20 * SENSOR_ROUNDS):
-            started = time.thread_time()
-            screen.draw_over(match.state, match.seen, "battle", seats, pictures)
-            taken.append(time.thread_time() - started)
-        each = min(taken[1:]) / VIEWERS * 1e6
-        name = f"screen over camera, {width} × {height}, {VIEWERS} agents a call, each"
-        figures.append(Figure(name, each, "µs", f"best of {len(taken) - 1} rounds"))
+        taken = in_turns(works, SENSOR_ROUNDS)
+        figures += [
+            _microseconds(f"sensor {name}, {shape}: one agent a call", taken[:, :-1].mean(axis=1)),
+            _microseconds(f"sensor {name}, {shape}: {VIEWERS} agents a call, each", taken[:, -1] / VIEWERS),
+        ]
     return figures
 
 
@@ -262,7 +222,6 @@ def main(check_only: CheckOnly = False, json_file: JsonFile = None) -> None:
     figures += lidar_figures(game_map, tracer, poses)
     figures += picture_figures(game_map, poses)
     figures += sensor_figures(game_map, poses)
-    figures += display_figures(game_map)
     figures += thread_figures(game_map, poses, cores)
     publish(f"Images on one core, far {FAR:g} m ({where})", figures, json_file)
 

@@ -3,7 +3,6 @@
 import functools
 import itertools
 import multiprocessing
-import statistics
 import time
 from collections.abc import Callable
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import typer
-from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.report import Figure, JsonFile, in_turns, many, publish, ratio
 
 from wildscav_engine.envs.arena import Arena
 from wildscav_engine.maps import generate_map
@@ -58,14 +57,8 @@ def random_actions(matches: int, seats: int) -> np.ndarray:
 
 
 def steps_per_second(step: Callable[[int], None], agents: int, steps: int) -> float:
-    """Return the median of agent-steps a second over some repeats, after one to warm up."""
-    rates = []
-    for _ in range(REPEATS + 1):
-        started = time.perf_counter()
-        for number in range(steps):
-            step(number)
-        rates.append(agents * steps / (time.perf_counter() - started))
-    return statistics.median(rates[1:])
+    """Return the median of agent-steps a second."""
+    return agents * steps / float(np.median(in_turns([many(step, steps)], REPEATS)))
 
 
 @functools.cache
@@ -113,20 +106,9 @@ def batch_figure(*, resets: bool = True) -> Figure:
 
 
 def threads_figure(name: str, steps: int, one: Callable[[int], None], two: Callable[[int], None]) -> Figure:
-    """Measure the speed of two threads relative to one, in turns."""
-    ratios = []
-    for _ in range(4 * REPEATS + 1):
-        taken = []
-        for step in (one, two):
-            started = time.perf_counter()
-            for number in range(steps):
-                step(number)
-            taken.append(time.perf_counter() - started)
-        ratios.append(taken[0] / taken[1])
-    low, high = min(ratios[1:]), max(ratios[1:])
-    return Figure(
-        f"two threads over one, {name}", statistics.median(ratios[1:]), "×", f"{low:.2f} to {high:.2f}"
-    )
+    """Measure the speed of two threads relative to one."""
+    alone, together = in_turns([many(one, steps), many(two, steps)], 4 * REPEATS).T
+    return ratio(f"two threads over one, {name}", alone / together)
 
 
 def batch_threads_figure(matches: int, seats: int) -> Figure:
@@ -215,13 +197,8 @@ def crowd_cost(seats: int) -> float:
     actions = random_actions(1, seats)
     actions[..., Field.SHOOT :] = np.random.default_rng(1).random(actions[..., Field.SHOOT :].shape) < 0.3
     steps = max(4, 2000 // seats)
-    taken = []
-    for _ in range(REPEATS + 1):
-        started = time.thread_time()
-        for number in range(steps):
-            match.step(actions[number % 8])
-        taken.append(time.thread_time() - started)
-    return 1e6 * min(taken) / (steps * seats)
+    play = many(lambda number: match.step(actions[number % 8]), steps)
+    return 1e6 * in_turns([play], REPEATS, time.thread_time).min() / (steps * seats)
 
 
 def crowd_figure(seats: int, against: float | None = None) -> Figure:
@@ -263,8 +240,8 @@ def robots_figures() -> list[Figure]:
         spec(0, "battle", *[kind] * 10).model_copy(update={"teams": sides}) for kind, sides in kinds.items()
     ]
     plays, actions = [Match(each, COUNTRY) for each in specs], random_actions(1, 10)[0, 0]
-    rates = np.array([[_steps_in_turn(match, actions) for match in plays] for _ in range(REPEATS + 1)])
-    medians = np.median(rates[1:], axis=0).tolist()
+    works = [many(lambda _, match=match: match.step(actions), 500) for match in plays]  # type: ignore[misc]
+    medians = (500 / np.median(in_turns(works, REPEATS, time.process_time), axis=0)).tolist()
     return [
         Figure(
             f"one match, 10 × {kind}{'' if sides is None else ', two teams'}",
@@ -274,14 +251,6 @@ def robots_figures() -> list[Figure]:
         )
         for (kind, sides), rate in zip(kinds.items(), medians, strict=True)
     ]
-
-
-def _steps_in_turn(match: Match, actions: np.ndarray, steps: int = 500) -> float:
-    """Play some steps of a match; return how many it plays in a second of processor time."""
-    started = time.process_time()
-    for _ in range(steps):
-        match.step(actions)
-    return steps / (time.process_time() - started)
 
 
 def opponents_figures() -> list[Figure]:
@@ -311,17 +280,13 @@ def lists_figure(track: str, options: dict[str, Any]) -> Figure:
     made = {"level": "easy", "flat": True, "action_mode": "box"} | options
     none, lists = (vector_env(64, made | {"sensors": sensors}, track) for sensors in ({}, LISTS))
     actions = [none.action_space.sample() for _ in range(8)]
-    ratios = []
-    for _ in range(2 * REPEATS + 1):
-        taken = []
-        for vector in (none, lists):
-            started = time.process_time()
-            for number in range(50):
-                vector.step(actions[number % 8])
-            taken.append(time.process_time() - started)
-        ratios.append(taken[1] / taken[0])
-    what = f"vector env, {track.lower()}, 64 matches: lists of agents and boxes over none"
-    return Figure(what, statistics.median(ratios[1:]), "× the processor time")
+    works = [
+        many(lambda number, env=env: env.step(actions[number % 8]), 50)  # type: ignore[misc]
+        for env in (none, lists)
+    ]
+    without, having = in_turns(works, 2 * REPEATS, time.process_time).T
+    what = f"vector env, {track.lower()}, 64 matches: lists of agents and boxes over none, processor time"
+    return ratio(what, having / without)
 
 
 def stand(observations: np.ndarray) -> np.ndarray:

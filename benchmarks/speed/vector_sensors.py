@@ -1,11 +1,10 @@
 """What sensors that see agents and boxes cost in vector environments, beside what sees only the map."""
 
-import statistics
-import time
 from typing import Any
 
+import numpy as np
 import typer
-from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.report import Figure, JsonFile, in_turns, many, publish
 
 from wildscav_engine.envs.vector import VectorArena
 
@@ -31,15 +30,12 @@ def figure(track: str, name: str) -> Figure:
     env.action_space.seed(0)
     actions = [env.action_space.sample() for _ in range(STEPS)]
     env.reset(seed=1)
-    taken = []
-    for _ in range(REPEATS + 1):
-        started = time.perf_counter()
-        for action in actions:
-            env.step(action)
-        taken.append((time.perf_counter() - started) * 1e6 / (STEPS * MATCHES))
+    taken = (
+        in_turns([many(lambda number: env.step(actions[number]), STEPS)], REPEATS) * 1e6 / (STEPS * MATCHES)
+    )
     env.close()
-    low, high = min(taken[1:]), max(taken[1:])
-    return Figure(f"{track}, {name}", statistics.median(taken[1:]), "µs", f"{low:.1f} to {high:.1f}")
+    spread = f"{taken.min():.1f} to {taken.max():.1f}"
+    return Figure(f"{track}, {name}", float(np.median(taken)), "µs", spread)
 
 
 def main(json: JsonFile = None) -> None:

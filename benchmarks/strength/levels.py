@@ -13,12 +13,12 @@ import math
 import statistics
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 from benchmarks.learning.result_files import add, results_in
-from benchmarks.strength.baselines import said_of, way_of
 
 from wildscav.cli.init import write_files
 from wildscav.policy.networks import Choose
@@ -44,15 +44,11 @@ REFERENCES = {"gathering": "scavenger", "battle": "commando"}  # the score 1, wh
 STEPS, TRAINING_MAPS, FRAMES = 1_000_000, 64, 15
 
 
-def whole(values: Sequence[float]) -> str:
-    """Return a mean with its 95 % interval, in whole numbers."""
-    return f"{statistics.fmean(values):.0f} ± {half_width(values):.0f}"
-
-
+WHOLE = partial(mean, digits=0)
 SCORES = {
     "navigation": {SUCCESS: rate, "spl": mean},
-    "gathering": {"supplies": whole},
-    "battle": {"supplies": whole, "kills": whole},
+    "gathering": {"supplies": WHOLE},
+    "battle": {"supplies": WHOLE, "kills": WHOLE},
 }
 
 Results = Mapping[tuple[str, str], Any]  # by level and agent
@@ -172,7 +168,6 @@ def main(
     matches: Annotated[int, typer.Option(help="Matches of each agent on a level.", min=2)] = 100,
     out: Annotated[Path, typer.Option(help="Folder of the trainings.")] = Path("out/levels"),
     picture: Annotated[Path | None, typer.Option(help="File for the picture.")] = None,
-    ways: Annotated[bool, typer.Option("--ways", help="Print the median way on each level.")] = False,
 ) -> None:
     """Play what is missing; print the tables."""
     chosen: list[Any] = [level for level in LEVELS if level in levels.split(",")]
@@ -189,9 +184,6 @@ def main(
     if scaled := normalized(results, track) if track in REFERENCES else {}:
         sys.stdout.write(table(scaled, track, "supplies", mean))
     sys.stdout.write(steps_table(results, track))
-    for level in chosen if ways else ():
-        found = [way_of(spec) for spec in matches_on("navigation", level, matches)]
-        sys.stdout.write(f"{level}: {said_of(found)}\n")
     if picture is not None:
         draw(results, picture)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from wildscav_engine.maps import GameMap, generate_map
+from wildscav_engine.maps import GameMap, generate_map, load_map
 from wildscav_engine.maps.country import plan_country
 from wildscav_engine.maps.country.wards import Barrier
 from wildscav_engine.maps.ground.terrain import make_terrain
@@ -52,7 +52,7 @@ def main() -> None:
     """Draw all pictures and print their total size."""
     FOLDER.mkdir(exist_ok=True)
     for number in BENCHMARK:
-        _draw(f"{number:03}", _load(number), f"Map {number:03}")
+        _draw(f"{number:03}", load_map(number), f"Map {number:03}")
     for name, (config, seed) in VARIETY.items():
         _draw(name, generate_map(config, seed), name.capitalize())
     game_map = generate_map(*CUT_HOUSE)
@@ -97,12 +97,6 @@ def _draw_expert() -> None:
         corner = (number % 2 * EYES["width"], number // 2 * EYES["height"])
         sheet.paste(Image.fromarray(view[..., :3]), corner)
     sheet.save(FOLDER / "expert-eyes.jpg", quality=QUALITY, optimize=True)
-
-
-def _load(number: int) -> GameMap:
-    from wildscav_engine.maps import load_map
-
-    return load_map(number)
 
 
 if __name__ == "__main__":

@@ -25,13 +25,8 @@ def main() -> None:
     wildscav = Path(sys.executable).with_name("wildscav")
     with TemporaryDirectory() as folder:
         out = Path(folder) / "out"
-        subprocess.run(
-            [
-                *(wildscav, "tournament", *ENTRANTS, "--track=battle", "--rounds=10", "--replays=none"),
-                *(f"--out={out}"),
-            ],
-            check=True,
-        )
+        options = "--track=battle", "--rounds=10", "--replays=none", f"--out={out}"
+        subprocess.run([wildscav, "tournament", *ENTRANTS, *options], check=True)
         copyfile(out / "standings.png", PICTURE)
 
 

@@ -120,12 +120,7 @@ class Registry(Mapping[str, Extension], Generic[Extension]):
         return tuple(self._built_in)
 
     def __getitem__(self, name: str) -> Extension:
-        """Return an extension.
-
-        Raises:
-            KeyError: There is no extension of that name.
-            ExtensionError: It cannot be imported or is invalid.
-        """
+        """Return an extension."""
         if name not in self._made:
             if name in self._built_in:
                 self._made[name] = self._make(name, _object(self._built_in[name]))
@@ -149,11 +144,7 @@ class Registry(Mapping[str, Extension], Generic[Extension]):
 
     @property
     def _added(self) -> Mapping[str, EntryPoint]:
-        """The entry points of other packages by name.
-
-        Raises:
-            ExtensionError: An entry point has a name that is not allowed.
-        """
+        """The entry points of other packages by name."""
         return _added(self.group, self.built_in)
 
     def _load(self, name: str, entry: EntryPoint) -> Extension:
@@ -199,11 +190,7 @@ def sources_of(group: str) -> tuple[Path, ...]:
 
 
 def other_groups(known: set[str]) -> Iterator[Addition]:
-    """Yield the entry points of other packages in unknown groups with our prefix.
-
-    Args:
-        known: The names of all existing groups.
-    """
+    """Yield the entry points of other packages in groups with our prefix that nobody knows."""
     groups = {entry.group for package in distributions() for entry in package.entry_points}
     for group in sorted(groups - known):
         problem = f"there is no group {group}; the groups are {', '.join(sorted(known))}"
@@ -272,11 +259,7 @@ def _kind(group: str) -> str:
 
 @cache
 def _added(group: str, built_in: tuple[str, ...]) -> Mapping[str, EntryPoint]:
-    """Return the entry points of other packages by name.
-
-    Raises:
-        ExtensionError: A name is already used by Wildscav or another package, or is not allowed.
-    """
+    """Return the entry points of other packages by name; ExtensionError if a name is taken or not allowed."""
     for entry in _entries(group):
         _check_name(entry, built_in)
         _check_unique(entry)

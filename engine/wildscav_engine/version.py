@@ -16,11 +16,7 @@ RELEASE = re.compile(r"\d+(\.\d+){0,3}((a|b|rc)\d+)?", re.ASCII)
 
 
 def advice(made_by: str) -> str:
-    """Return what to do with a record that this engine cannot play, for the end of a message.
-
-    Args:
-        made_by: The version of the engine that made it.
-    """
+    """Return what to do with a record that another version made and this one cannot play."""
     if not RELEASE.fullmatch(made_by):
         return f"play it with the engine that made it ({made_by})"
     if made_by == ENGINE_VERSION:

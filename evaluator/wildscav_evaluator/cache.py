@@ -27,12 +27,9 @@ def is_kept(entry: Path) -> bool:
 
 
 def prune(folder: Path, largest: int = LARGEST) -> None:
-    """Remove what nobody used for long, and if a cache is too large, what was not used for the longest time.
+    """Remove what nobody used for long and, beyond ``largest`` bytes, what was not used for the longest time.
 
     Whatever was used within a day stays, since it may be in use.
-
-    Args:
-        largest: Bytes of what stays, unless more is in use.
     """
     total, now = 0, time.time()
     for entry in sorted(folder.iterdir(), key=_used, reverse=True):

@@ -42,17 +42,7 @@ def choices_of_pool(
 
 
 def choices_of_suite(suite: Suite, tracks: Sequence[str], seed: int) -> list[Choices]:
-    """Return the maps of a suite's matches, each once; of all tracks if none is named.
-
-    Raises:
-        UserError: The suite does not have a track.
-    """
-    for track in tracks:
-        if track not in suite.tracks:
-            raise UserError(
-                f"suite {suite.name} has no track {track}; its tracks are {', '.join(suite.tracks)}",
-                exit_code=2,
-            )
+    """Return the maps of a suite's matches, each once; of all tracks if none is named."""
     specs = dict.fromkeys(
         match.map for track in tracks or suite.tracks for match in suite.matches(track, seed)
     )
@@ -67,8 +57,7 @@ def missing_maps(choices: Iterable[Choices]) -> list[Choices]:
 def make_maps(choices: Iterable[Choices], executor: Executor) -> Iterator[MadeMap]:
     """Generate maps, put each into this machine's cache, and yield them in their order.
 
-    Raises:
-        UserError: One cannot be generated, or they do not all fit into the cache.
+    UserError if one cannot be generated, or they do not all fit into the cache.
     """
     limit, taken = size_limit(LIMIT, SIZE_LIMIT), 0
     for made in executor.map(make_map, choices):
@@ -85,11 +74,7 @@ def make_maps(choices: Iterable[Choices], executor: Executor) -> Iterator[MadeMa
 
 
 def run_make_maps(choices: Sequence[Choices], executor: Executor, *, as_json: bool = False) -> None:
-    """Make the maps that are not cached yet, and say how many and how large they are.
-
-    Raises:
-        UserError: One cannot be made, they do not fit into the cache, or the command was interrupted.
-    """
+    """Make the maps that are not cached yet, and say how many and how large they are."""
     missing = missing_maps(choices)
     if len(missing) < len(choices):
         console.print(f"{len(choices) - len(missing):,} of {counted(len(choices), 'map')} were cached before")

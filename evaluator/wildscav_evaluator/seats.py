@@ -43,9 +43,7 @@ def entrants_of_seats(
 ) -> dict[int, str]:
     """Return the name of the entrant in each seat that has one, in the order of the seats.
 
-    Args:
-        submissions: The names of the submissions in the seats for submissions.
-        robots: The seats of robots that are entrants.
+    ``robots`` are the seats of robots that are entrants.
     """
     waiting = iter(submissions)
     return {

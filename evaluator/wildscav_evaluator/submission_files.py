@@ -20,9 +20,8 @@ LEFT_OUT = frozenset({"__pycache__", ".git", ".venv", ".mypy_cache", ".ruff_cach
 def submission_files(folder: Path) -> list[Path]:
     """Return the files of a folder that are its submission, sorted.
 
-    Raises:
-        SubmissionError: A link leads to a folder, out of the submission or in a circle; an entry is not a
-            file, a folder or a link; or a folder cannot be read.
+    SubmissionError if a link leads to a folder, out of the submission or in a circle, if an entry is not a
+    file, a folder or a link, or if a folder cannot be read.
     """
     files = []
     for base, folders, names in os.walk(folder, onerror=_refuse):
@@ -63,13 +62,8 @@ def is_executable(path: Path) -> bool:
 def stage(folder: Path, private: Path) -> Path:
     """Return a folder with exactly a submission's files, which every user may read.
 
-    Args:
-        folder: The submission's folder. It is returned if it has nothing else.
-        private: Where a copy of the files is made otherwise, for whoever may enter this folder.
-
-    Raises:
-        SubmissionError: See ``submission_files``.
-        OSError: The files cannot be copied.
+    It is the submission's own if that has nothing else, otherwise a copy in ``private``, for whoever may
+    enter that. Errors: see ``submission_files``.
     """
     return folder if _has_nothing_else(folder) else copy_files(folder, private / "submission")
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from wildscav_engine.envs import SeatController
 from wildscav_engine.envs.settings.config import read_config
-from wildscav_engine.envs.settings.ladders import GROUND, LADDERS
+from wildscav_engine.envs.settings.presets import GROUND, LADDERS
 from wildscav_engine.envs.spaces.match_in_batch import MatchInBatch
 from wildscav_engine.maps.cache import map_of
 from wildscav_engine.maps.levels import Level

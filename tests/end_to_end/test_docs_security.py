@@ -18,7 +18,7 @@ ATTACKER = (REPOSITORY / "tests" / "evaluator" / "sandbox" / "attacker" / "agent
 def test_every_attack_stands_beside_its_promise() -> None:
     named = set(re.findall(r"`((?:network|files|kernel|processes|limits)_\w+)`", PAGE))
 
-    assert named == set(re.findall(r"@attack\ndef (\w+)", ATTACKER))
+    assert named == set(re.findall(r'^    "(\w+)": ', ATTACKER.partition("ATTACKS: ")[2], re.MULTILINE))
 
 
 def test_every_limit_is_told_with_its_default() -> None:

@@ -28,10 +28,8 @@ def test_a_wheel_came_from_where_the_wheels_of_releases_are(
 
 
 def test_no_release_made_what_another_commit_of_this_version_made() -> None:
-    assert (
-        advice(ENGINE_VERSION)
-        == f"play it with the engine that made it ({ENGINE_VERSION}, at another commit)"
-    )
+    told = f"play it with the engine that made it ({ENGINE_VERSION}, at another commit)"
+    assert advice(ENGINE_VERSION) == told
 
 
 @pytest.mark.parametrize("made_by", ["", "0.1.0' && rm -rf ~ '", "0.1.0\n", "--help", "\u0663.\u0661"])

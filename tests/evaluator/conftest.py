@@ -8,10 +8,16 @@ from pathlib import Path
 import pytest
 from tests.commands import run_command
 from tests.evaluator.docker_daemon import docker_daemon
+from tests.evaluator.results_by_hand import plan_of
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
-from tests.evaluator.warm_workers import WarmWorkers
+from tests.evaluator.small_matches import tiny_suite
+from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
+from wildscav_evaluator.cli.sessions.evaluate import run_session
+from wildscav_evaluator.ledger.keys import SigningKey, new_key
+from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.suites.suite_file import read_suite
 
 HEAD = """
 import os, signal, subprocess, sys, time
@@ -81,3 +87,30 @@ def pair(submit: Submit) -> tuple[Path, Path]:
 def wildscav() -> Command:
     """Run the `wildscav` command."""
     return run_command
+
+
+@pytest.fixture(scope="session")
+def key_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("organizer") / "season.key"
+
+
+@pytest.fixture(scope="session")
+def key(key_file: Path) -> SigningKey:
+    return new_key(key_file)
+
+
+@pytest.fixture(scope="session")
+def plan(tmp_path_factory: pytest.TempPathFactory, key: SigningKey) -> EvaluationPlan:
+    """The plan of a signed evaluation: two submissions, which print their seeds, on five short matches."""
+    folder, seed = tmp_path_factory.mktemp("season"), "    def reset(self, match): print(match.seed)\n"
+    ada = submission_in(folder, "ada", seed + WALKER)
+    bob = submission_in(folder, "bob", seed + WALKER.replace("observation.step * 10.0", "90.0"))
+    return plan_of(ada, bob, out=folder / "out", suite=read_suite(tiny_suite(folder)), key=key)
+
+
+@pytest.fixture(scope="session")
+def evaluated(plan: EvaluationPlan, warm_workers: WarmWorkers) -> Path:
+    """The folder of that evaluation, really played: tests that change it work on copies."""
+    with playing_with(warm_workers):
+        run_session(plan)
+    return plan.out

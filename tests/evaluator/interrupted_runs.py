@@ -111,3 +111,10 @@ def without_timings(out: Path) -> dict[str, object]:
 def files(out: Path, folder: str) -> dict[str, bytes]:
     """The content of every file of a folder."""
     return {path.name: path.read_bytes() for path in (out / folder).iterdir()}
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    """The contents of all files by their paths in a folder."""
+    return {
+        str(path.relative_to(out)): path.read_bytes() for path in sorted(out.rglob("*.*")) if path.is_file()
+    }

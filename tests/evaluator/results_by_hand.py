@@ -129,7 +129,7 @@ def timing_of_a_seat(**changes: float) -> SeatTiming:
     return timing.model_copy(update=changes)
 
 
-def scored_results(scores: Mapping[tuple[str, str], Sequence[float]], **others: Any) -> Results:
+def scored_results(scores: Mapping[tuple[str, str], Sequence[float | None]], **others: Any) -> Results:
     """Results with the score of each match of every (submission, track); without one, its match failed."""
     version, memory = others.pop("version", "1.0.0"), others.pop("memory", None)
     started = others.pop("started", "2030-01-01T00:00:00+00:00")
@@ -153,10 +153,13 @@ def saved(results: Results, folder: Path) -> Path:
     return folder
 
 
-def evaluation(name: str, track: str = "royale", values: tuple[float, ...] = (1.0, 2.0)) -> Evaluation:
+def evaluation(name: str, track: str = "royale", values: Sequence[float | None] = (1.0, 2.0)) -> Evaluation:
+    """An evaluation in whose matches every metric has one value; the platform failed in those without."""
     metrics = metric_infos(track)
     rows = tuple(
-        MatchRow(index=index, status="finished", metrics={metric.name: value for metric in metrics})
+        MatchRow(index=index, status="failed", fault="platform")
+        if value is None
+        else MatchRow(index=index, status="finished", metrics={metric.name: value for metric in metrics})
         for index, value in enumerate(values)
     )
     return Evaluation(

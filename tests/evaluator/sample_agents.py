@@ -54,3 +54,15 @@ ASKER = """
         print(*self.ask(observation.step))
         return Action(walk_speed=5.0)
 """
+
+
+# Kills the process that started it, once.
+KILLS_ITS_FIRST_WORKER = """
+    def act(self, observation):
+        print("step", observation.step)
+        if observation.step == 7 and not os.path.exists("was_here"):
+            open("was_here", "w").close()
+            os.kill(os.getppid(), signal.SIGKILL)
+            time.sleep(600)
+        return Action(walk_speed=5.0)
+"""

@@ -82,16 +82,10 @@ def test_the_commands_of_the_page_make_maps_and_only_those_that_are_missing(wild
         assert "made 0 maps" in again.stdout
 
 
-def test_what_to_make_must_be_named(wildscav: Command) -> None:
-    refused = wildscav("map", "make")
-    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
-    assert "--level" in refused.stderr
-    assert "--suite" in refused.stderr
-
-
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [
+        ((), "name either --level, for environments, or --suite, for evaluations"),
         (("--suite", "quick", "--count", "3"), "--count is for pools"),
         (("--suite", "quick", "--split", "test"), "--split is for pools"),
         (("--suite", "quick", "--unseen"), "--unseen is for pools"),

@@ -3,7 +3,7 @@
 import pytest
 
 from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
-from wildscav_evaluator.seats import battle_seats, display_names, submission_seats
+from wildscav_evaluator.seats import battle_seats, display_names
 
 
 def test_every_kind_of_robot_comes_up_as_often_give_or_take_one() -> None:
@@ -23,7 +23,3 @@ def test_every_kind_of_robot_comes_up_as_often_give_or_take_one() -> None:
 )
 def test_display_names(seats: tuple[str, ...], submissions: list[str], names: tuple[str, ...]) -> None:
     assert display_names(seats, submissions) == names
-
-
-def test_submission_seats() -> None:
-    assert submission_seats(("fighter", "submission", "walker", "submission")) == (1, 3)

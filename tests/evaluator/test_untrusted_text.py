@@ -4,17 +4,17 @@ import io
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from rich.console import RenderableType
+from tests.evaluator.monitoring.jobs_by_hand import jobs
 from tests.evaluator.results_by_hand import evaluation_of, results_of
 from tests.platform.helpers.plain_text import is_plain
 
 from wildscav.terminal.console import PlainConsole
-from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.cli.result_tables import sandbox_and_limits, timing_table, track_table
 from wildscav_evaluator.cli.sessions import check as checking
@@ -25,14 +25,14 @@ from wildscav_evaluator.cli.sessions import playing as playing_session
 from wildscav_evaluator.cli.sessions import rescore as rescore_session
 from wildscav_evaluator.cli.sessions import verify_records as verify
 from wildscav_evaluator.cli.sessions.playing import raise_errors
-from wildscav_evaluator.matches.jobs import Job, JobResult
+from wildscav_evaluator.matches.jobs import JobResult
 from wildscav_evaluator.monitoring.dashboard import dashboard
 from wildscav_evaluator.monitoring.monitor import EvaluationProgress
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output.results import KeptLimits, read_results, write_results
 from wildscav_evaluator.scores.compare import compare
-from wildscav_evaluator.submissions.submission import Submission, load_submission
-from wildscav_server.hosting.manifest import Manifest, SubmissionError
+from wildscav_evaluator.submissions.submission import load_submission
+from wildscav_server.hosting.manifest import SubmissionError
 
 # JSON, protobuf and SQLite hold no halves of characters, so none comes out of them.
 TEXT = st.text(st.characters(exclude_categories=("Cs",)), min_size=1, max_size=20)
@@ -68,18 +68,12 @@ def test_tables_of_results_show_everybody(text: str, screen: PlainConsole) -> No
 
     session._show(results)
     assert list(rescore_session._show(results)) == []
-    playing_session.say_files(a_plan(), None, results)  # type: ignore[arg-type]
+    plan = SimpleNamespace(out=Path("out"), public_key=None)
+    playing_session.say_files(plan, None, results)  # type: ignore[arg-type]
 
     shown = written_on(screen)
     assert is_plain(shown)
     assert shown.count("honest honest") == 2, "the honest submission stands in the table of each command"
-
-
-def a_plan() -> Any:
-    class Plan:
-        out, public_key = Path("out"), None
-
-    return Plan()
 
 
 @ways
@@ -101,15 +95,7 @@ def test_a_comparison_and_complaints_are_plain(text: str, screen: PlainConsole) 
 @given(text=TEXT)
 @example(text=HOSTILE)
 def test_the_progress_of_an_evaluation_is_plain(text: str) -> None:
-    manifest = Manifest(name="mine", version="1", entry_point="agent:Agent", tracks=("navigation",))
-    job = Job.of_one(
-        Submission(Path("/mine"), manifest, "0"),
-        "navigation",
-        0,
-        MatchSpec(track="navigation"),
-        Path("/o"),
-        False,
-    )
+    (job,) = jobs(navigation=1)
     console = PlainConsole(file=io.StringIO(), width=60, color_system=None)
     tally = Tally([job])
     progress = EvaluationProgress(console, tally)
@@ -186,14 +172,6 @@ def test_a_manifest_is_read_or_refused_in_a_plain_line(
     shown = written_on(console)
     assert is_plain(shown)
     assert shown.strip()
-
-
-def test_a_version_that_would_be_markup_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "submission.toml").write_text(
-        "".join(f"{name} = {value}\n" for name, value in (GOOD | {"version": '"[/]"'}).items())
-    )
-    with pytest.raises(SubmissionError, match=r"version: is '\[/\]', must be text of 1 to 40 of A-Z, a-z"):
-        load_submission(tmp_path)
 
 
 def test_the_conditions_and_times_of_any_sandbox_are_plain() -> None:

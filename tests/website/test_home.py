@@ -4,6 +4,7 @@ from pathlib import Path
 
 import griffe
 
+from wildscav_website import demo_season
 from wildscav_website.field_comments import FieldComments
 from wildscav_website.home import MATCH, match_page, with_readers
 
@@ -60,3 +61,10 @@ def test_the_comment_beside_a_field_describes_it(tmp_path: Path) -> None:
         "quiet": None,
         "told": "This.",
     }
+
+
+def test_the_boards_of_the_demo_season_show_every_row() -> None:
+    text = demo_season.page()
+    for board in demo_season.boards():
+        for row in board.rows:
+            assert f"| {row.ranks} | {row.team_title or 'a robot'} | {row.name}" in text

@@ -1,5 +1,7 @@
-"""The pages of reference tell everything there is, and links of pages lead where they should on the site."""
+"""The pages of reference tell everything there is."""
 
+import importlib
+import inspect
 import re
 import subprocess
 from pathlib import Path
@@ -7,10 +9,11 @@ from typing import Any
 
 import typer
 
+import wildscav
+import wildscav.policy
 from wildscav.cli.main import app
 from wildscav.proto import match_pb2
-from wildscav_website import commands, protocol, rest
-from wildscav_website.links import links_for_site
+from wildscav_website import commands, protocol, rest, sdk
 
 ROOT = Path(__file__).parents[2]
 
@@ -59,16 +62,20 @@ def test_a_comment_becomes_paragraphs_and_what_is_set_in_stays_as_it_is() -> Non
     assert protocol.prose(comment) == "One\ntwo.\n\n```text\n  client    server\n  Join --->\n```\n\nThree.\n"
 
 
-def test_links_that_leave_the_pages_lead_to_where_their_targets_are_on_the_site() -> None:
-    added: list[str] = []
-    page = "[a](../README.md#install) [b](rules.md) [c](https://example.org/x.md) [d](#e) [f](../Makefile)"
-    assert links_for_site(page, "training.md", added.append) == (
-        "[a](index.md#install) [b](rules.md) [c](https://example.org/x.md) [d](#e) [f](source/Makefile)"
-    )
-    assert added == ["Makefile"]
-    assert links_for_site("[a](docs/rules.md) [b](LICENSE)", "index.md", added.append) == (
-        "[a](rules.md) [b](license.md)"
-    )
+def test_all_that_an_agent_may_import_is_on_it() -> None:
+    assert set(sdk.MODULES["wildscav"]) == set(wildscav.__all__) - {"__version__"}
+    assert set(sdk.MODULES["wildscav.policy"]) == set(wildscav.policy.__all__)
+
+
+def test_every_field_has_a_meaning() -> None:
+    described = 0
+    for module, names in sdk.MODULES.items():
+        for name in names:
+            thing = getattr(importlib.import_module(module), name)
+            for field in sdk.fields_of(thing) if inspect.isclass(thing) else ():
+                assert field.meaning, f"{name}.{field.name}: write what it means behind it"
+                described += 1
+    assert described > 60
 
 
 def test_make_builds_strictly_and_does_not_silence_the_warnings_that_are_counted() -> None:

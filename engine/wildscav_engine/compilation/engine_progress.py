@@ -3,8 +3,8 @@
 import contextlib
 import os
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
-from typing import Any, Protocol
+from contextlib import contextmanager
+from typing import Any
 
 from wildscav_engine.compilation.notice import QUIET, Progress, progress_callback
 
@@ -13,17 +13,7 @@ COMPILING = "compiling the engine for this machine, once"
 MAKING = "making maps, which are kept for the next time"
 
 
-class Console(Protocol):
-    """What of a console of Rich is used here; the engine itself does not need Rich."""
-
-    @property
-    def is_terminal(self) -> bool:
-        """Whether a person reads it."""
-        ...
-
-    def status(self, status: str) -> AbstractContextManager[Any]:
-        """Show a status line that can be updated."""
-        ...
+Console = Any  # one of Rich, which the engine itself does not need
 
 
 @contextmanager
@@ -31,11 +21,7 @@ def preparing(console: Console, *, is_said: bool = False) -> Iterator[None]:
     """Show the progress of preparing the engine: live in a terminal, else as a line if it takes a while.
 
     In a terminal, processes that are started meanwhile print no such line, because it would break the
-    display.
-
-    Args:
-        console: Where to show it.
-        is_said: Whether something else, such as a log, reports it already; then no such line is printed.
+    display. Nor is it printed where ``is_said`` that something else, such as a log, reports it already.
     """
     with contextlib.ExitStack() as stack:
         if is_said or console.is_terminal:

@@ -44,12 +44,12 @@ class Kernel:
     @functools.cached_property
     def inner(self) -> Any:
         """The function for calls from kernels."""
-        return self._compiled("inner")
+        return self._made("inner")
 
     @functools.cached_property
     def outer(self) -> Any:
         """The function for calls from Python."""
-        return self._compiled("outer")
+        return self._made("outer")
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the kernel from Python."""
@@ -64,14 +64,20 @@ class Kernel:
         """Copy and pickle the kernel as its function is: by its name."""
         return str(vars(self)["__qualname__"])
 
-    def _compiled(self, name: str) -> Any:
+    def _made(self, name: str) -> Any:
         from wildscav_engine.compilation import compiler
 
-        compile_function = {"inner": compiler.compile_inner, "outer": compiler.compile_outer}[name]
         with compiler.global_compiler_lock:  # one function for all threads
             if name not in vars(self):
+                compile_function = getattr(compiler, f"compile_{name}")
                 vars(self)[name] = compile_function(self._function, self._home, **self._options)
             return vars(self)[name]
+
+
+def _compiled(
+    function: Callable[Params, Returned], home: Callable[..., Any] | None = None, **options: bool
+) -> Callable[Params, Returned]:
+    return function if PLAIN else cast(Callable[Params, Returned], Kernel(function, home, **options))
 
 
 def kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
@@ -80,9 +86,7 @@ def kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
     Such a function needs no reference counting, which would cost more than most kernels do: a world and the
     agents of a match are about forty arrays. Creating an array in it is a compile-time error.
     """
-    if PLAIN:
-        return function
-    return cast(Callable[Params, Returned], Kernel(function, _nrt=False))
+    return _compiled(function, _nrt=False)
 
 
 def inlined_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
@@ -91,9 +95,7 @@ def inlined_kernel(function: Callable[Params, Returned]) -> Callable[Params, Ret
     A call passes every number and every array's shape, strides and address one by one. For small functions
     with large tuples as arguments, that costs more than the function itself.
     """
-    if PLAIN:
-        return function
-    return cast(Callable[Params, Returned], Kernel(function, _nrt=False, forceinline=True))
+    return _compiled(function, _nrt=False, forceinline=True)
 
 
 def disjoint_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
@@ -103,16 +105,12 @@ def disjoint_kernel(function: Callable[Params, Returned]) -> Callable[Params, Re
     compiler would add checks for shared memory, and whether these let the fast loop run depends on what else
     is inlined around it. As the compiler relies on this, wrong results follow if two arrays do share memory.
     """
-    if PLAIN:
-        return function
-    return cast(Callable[Params, Returned], Kernel(function, _nrt=False, disjoint=True))
+    return _compiled(function, _nrt=False, disjoint=True)
 
 
 def array_kernel(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
     """Compile a function that creates or returns arrays, including views."""
-    if PLAIN:
-        return function
-    return cast(Callable[Params, Returned], Kernel(function))
+    return _compiled(function)
 
 
 def kernel_beside(
@@ -122,21 +120,14 @@ def kernel_beside(
 
     It counts as part of that kernel's file, so that both are always compiled again together.
     """
-    if PLAIN:
-        return function
-    home: Any = other
-    return cast(Callable[Params, Returned], Kernel(function, home.__wrapped__, _nrt=False))
+    return _compiled(function, getattr(other, "__wrapped__", other), _nrt=False)
 
 
 def specialize(function: Callable[..., Returned], *examples: Any) -> Callable[..., Returned]:
     """Return a kernel with the least overhead for calls from Python: it accepts only one signature.
 
     This saves half a microsecond per call, and the caller need not check its arguments: any other type raises
-    TypeError or NumbaError, and no code is compiled for it.
-
-    Args:
-        function: A kernel.
-        examples: An example of each argument, with the type that the kernel accepts.
+    TypeError or NumbaError, and no code is compiled for it. The types are those of the examples.
     """
     if PLAIN:
         return _specialize(function, [_argument_type(example) for example in examples])

@@ -1,6 +1,6 @@
 """The arena: matches × learners as arrays. All environments are thin wrappers around it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
@@ -40,12 +40,7 @@ class Arena:
         """Create an arena without matches; ``start`` adds them.
 
         Args:
-            config: The options of the environment.
-            matches: The number of matches, B.
             part: The index of what observations keep of the axes (B, L), such as (0, 0) for a single learner.
-
-        Raises:
-            ValueError: The settings of the maps or of an opponent are invalid.
         """
         self.config, self.matches, self.track = config, matches, TRACKS[config.track]
         self._plans = [Plan(config)] * matches  # of the next episodes
@@ -61,12 +56,8 @@ class Arena:
         self.actions = np.zeros((matches, len(config.seats), FIELDS), np.float32)
         self._reader = SeatReader(config, self.learners, matches, part)
         self.layout, self.done = self._reader.layout, self._reader.done  # (B, L), updated by every step
-        first = self.layout.first
-        self._outcome, self._events, self._terms = (
-            first(Part.OUTCOME),
-            first(Part.EVENTS),
-            first(Part.TERMS),
-        )
+        parts = (Part.OUTCOME, Part.EVENTS, Part.TERMS)
+        self._outcome, self._events, self._terms = map(self.layout.first, parts)
 
     @property
     def template(self) -> MatchSpec:
@@ -79,14 +70,9 @@ class Arena:
         return self._plans[0].pool
 
     def set_options(self, changes: Mapping[str, Any], rows: Sequence[int] | None = None) -> EnvConfig:
-        """Change options of the matches that start from now on, and return those of the environment.
+        """Change options of the matches that start from now on, in some rows or all, and return the arena's.
 
-        Args:
-            changes: The new values by name.
-            rows: The rows that change; None for all, and then those of the environment change, too.
-
-        Raises:
-            ValueError: An option cannot change, its value is invalid, or there is no such row.
+        Only changes of all rows are changes of the arena's own options.
         """
         chosen = range(self.matches) if rows is None else read_rows(rows, self.matches)
         config = self.config
@@ -103,16 +89,24 @@ class Arena:
         Raises:
             ValueError: An option cannot change, or its value is invalid; nothing has changed.
         """
-        plans: dict[tuple[int, int], Plan] = {}
-        keys = {row: (id(self._plans[row]), id(own)) for row, own in changes.items()}
+
+        def changed(plan: Plan, own: Mapping[str, Any]) -> Plan:
+            return Plan(change_config(plan.config, own), None if own.keys() & OF_POOL else plan.pool)
+
+        for row, plan in self._made_once(changes, changed).items():
+            self._plans[row] = plan
+            self._reader.set_rewards(row, plan.config.reward_weights)
+
+    def _made_once(self, changes: Mapping[int, Any], make: Callable[[Plan, Any], Plan]) -> dict[int, Plan]:
+        """Return a plan of each row with its changes; those with the same plan and changes share one."""
+        made: dict[tuple[int, int], Plan] = {}
+        found = {}
         for row, own in changes.items():
-            if keys[row] not in plans:
-                plan = self._plans[row]
-                pool = None if own.keys() & OF_POOL else plan.pool
-                plans[keys[row]] = Plan(change_config(plan.config, own), pool)
-        for row, key in keys.items():
-            self._plans[row] = plans[key]
-            self._reader.set_rewards(row, plans[key].config.reward_weights)
+            key = id(self._plans[row]), id(own)
+            if key not in made:
+                made[key] = make(self._plans[row], own)
+            found[row] = made[key]
+        return found
 
     def start(self, sequences: Mapping[int, Episodes], options: Mapping[int, Any] | None = None) -> None:
         """Start the next episode of each row's sequence; the first call must be for all rows.
@@ -120,14 +114,11 @@ class Arena:
         If it fails, nothing has changed: neither the matches nor which episode is the next one.
 
         Args:
-            sequences: The sequence of episodes of each row.
             options: The options of a reset by row, for these episodes only; see ``config_of_episode``.
-
-        Raises:
-            ValueError: An option is invalid, or a match cannot be set up.
         """
-        rows = list(sequences)
-        episodes = next_episodes(sequences.values(), self._plans_once(rows, options or {}))
+        rows, given = list(sequences), options or {}
+        plans = self._made_once({row: given.get(row) for row in rows}, Plan.once)
+        episodes = next_episodes(sequences.values(), list(plans.values()))
         specs = self.opponents.choose(rows, [episode.spec for episode in episodes])
         maps = [episode.game_map for episode in episodes]
         if self.batch is None:
@@ -137,17 +128,6 @@ class Arena:
         self._update_after_restart(rows)
         for each in sequences.values():
             each.number += 1
-
-    def _plans_once(self, rows: Sequence[int], options: Mapping[int, Any]) -> list[Plan]:
-        """Return the plans of some rows with the options of a reset."""
-        plans: dict[tuple[int, int], Plan] = {}
-        keys = []
-        for row in rows:
-            plan, own = self._plans[row], options.get(row)
-            keys.append((id(plan), id(own)))
-            if keys[-1] not in plans:
-                plans[keys[-1]] = plan.once(own)
-        return [plans[key] for key in keys]
 
     def _update_after_restart(self, rows: Sequence[int]) -> None:
         """Update everything that depends on the matches in some rows, which are new."""
@@ -170,18 +150,7 @@ class Arena:
         return self._batch.get_state(match)
 
     def set_state(self, match: int, data: bytes, players: Sequence[str] | None = None) -> None:
-        """Restore a match that ``get_state`` returned; the next reading contains no events.
-
-        Args:
-            match: The index of the match.
-            data: The result of ``get_state``.
-            players: The names of the players in the match, as ``OpponentManager.names`` returned them.
-
-        Raises:
-            StateError: The bytes are not a state of a match, or have another version; or a player that was in
-                the match is not in this arena.
-            MatchSetupError: The match has another track, other rules or other seats.
-        """
+        """Restore a match with the players that ``OpponentManager.names`` named; no events are read next."""
         if self.batch is None:
             self.start({row: Episodes(row) for row in range(self.matches)})
         found = self.opponents.find(players)
@@ -190,15 +159,7 @@ class Arena:
         self._update_after_restart([match])
 
     def set_actions(self, actions: Any, axes: Axes) -> None:
-        """Set the actions of all learners.
-
-        Args:
-            actions: Those of B × L environments, as Gymnasium batches them.
-            axes: Their leading axes, (B, L) or (B × L,).
-
-        Raises:
-            ActionError: The actions are not in the action space.
-        """
+        """Set the actions of all learners, as Gymnasium batches them, with the axes (B, L) or (B × L,)."""
         count, yaws = self.config.agents, self._batch.state.agents.yaw
         rows = self.actions[:, :count].reshape(-1, FIELDS)  # a copy if there are other seats
         self.mode.decode(actions, yaws[:, :count].reshape(-1), rows, axes)
@@ -243,19 +204,10 @@ class Arena:
         return self._views[match]
 
     @property
-    def terminated(self) -> NDArray[np.bool_]:
-        """Whether each episode has terminated, (B, L), a new array."""
-        return self._reader.terminated.copy()
-
-    @property
-    def truncated(self) -> NDArray[np.bool_]:
-        """Whether each episode was truncated by the time limit, (B, L), a new array."""
-        return self._reader.truncated.copy()
-
-    @property
-    def rewards(self) -> NDArray[np.float64]:
-        """The rewards of the step, (B, L), a new array."""
-        return self._reader.rewards.copy()
+    def outcomes(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.float64]]:
+        """Whether each episode terminated or was truncated, and the rewards of the step: new (B, L)."""
+        reader = self._reader
+        return reader.terminated.copy(), reader.truncated.copy(), reader.rewards.copy()
 
     @property
     def ended(self) -> int:

@@ -38,13 +38,7 @@ class Autoreset:
     """The autoreset of environments with many matches: it restarts matches that have ended."""
 
     def __init__(self, arena: Arena, mode: AutoresetMode, axes: Axes) -> None:
-        """Wrap an arena without matches.
-
-        Args:
-            arena: The arena.
-            mode: One of Gymnasium's autoreset modes.
-            axes: The leading axes of actions, (B, L) or (B × L,).
-        """
+        """Wrap an arena without matches; ``axes`` are the leading ones of actions, (B, L) or (B × L,)."""
         self.arena, self.mode, self._axes = arena, mode, axes
         self.ended: Flags = np.zeros(arena.matches, np.bool_)  # (B,) which matches ended with the last step
         self._episodes: list[Episodes] = []
@@ -65,9 +59,6 @@ class Autoreset:
             first_seed: The seed of the first row if there are no episodes yet; the others count on from it.
             mask: (B,) the rows; None for all.
             options: Those of ``config_of_episode`` for all rows, and ``each`` as ``read_each`` says.
-
-        Raises:
-            ValueError: As ``Arena.start``, or an option is unknown.
         """
         if options is not None:
             check_reset(options, (*ONCE, "each", *also))
@@ -101,14 +92,7 @@ class Autoreset:
         return output
 
     def step(self, actions: Any) -> Outcome:
-        """Play one step in every match.
-
-        The images of the observation are complete only after ``arena.finish_reading``.
-
-        Raises:
-            ActionError: The actions are not in the action space.
-            RuntimeError: There is no match yet, or one has ended and nothing resets it.
-        """
+        """Play one step in every match; images are complete only after ``arena.finish_reading``."""
         arena = self.arena
         arena.set_actions(actions, self._axes)
         restarting: Sequence[int] = ()
@@ -124,7 +108,7 @@ class Autoreset:
     def _outcome(self, output: ArenaOutput) -> Outcome:
         """Return the outcome of a step; in the same-step mode, restart the matches that ended."""
         arena, rows = self.arena, output.rows
-        terminated, truncated, rewards = arena.terminated, arena.truncated, arena.rewards
+        terminated, truncated, rewards = arena.outcomes
         ended: tuple[int, ...] = ()
         metrics, final = self._no_metrics, None
         self.ended[:] = False
@@ -156,29 +140,19 @@ class ManyMatches(Changeable):
     def set_options(self, *, rows: Sequence[int] | None = None, **changes: Unpack[EpisodeOptions]) -> None:
         """Change options from the next episode on of each match, in some rows or in all.
 
-        Args:
-            rows: The numbers of the rows; None for all.
-            changes: As in environments of one match.
-
-        Raises:
-            ValueError: An option cannot change, its value is invalid, or a row does not exist.
+        The changes are those of ``Changeable.set_options``; ValueError if one is invalid or a row does not
+        exist.
         """
         self.config = self.arena.set_options(changes, rows)
 
     def get_state(self, row: int) -> bytes:
-        """Return one match and its sequence of episodes as bytes, which a single environment can restore.
-
-        Raises:
-            RuntimeError: No episode has started.
-        """
+        """Return one match and its sequence of episodes as bytes, which a single environment can restore."""
         return self._autoreset.get_state(row)
 
     def set_state(self, row: int, data: bytes) -> Observation:
         """Restore a row from the state of an environment with the same options; return the observations.
 
-        Raises:
-            StateError: The bytes are not a state of an environment, are damaged, or have another version.
-            MatchSetupError: The match has another track, other rules or other seats.
+        The errors are those of ``OneMatch.set_state``.
         """
         return self._autoreset.set_state(row, data).observation
 
@@ -197,16 +171,9 @@ class BatchedArena(ManyMatches):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **options: Unpack[EnvOptions],
     ) -> None:
-        """Create the environments.
+        """Create B matches of a track, with the fields of ``EnvOptions``; ValueError if one is invalid.
 
-        Args:
-            track: A name in ``tracks.TRACKS``.
-            matches: The number of matches.
-            autoreset_mode: When a match that has ended is reset.
-            options: The fields of ``EnvOptions``; ``agents`` is the number of learners in a match.
-
-        Raises:
-            ValueError: An option is invalid.
+        ``agents`` is the number of learners in a match.
         """
         self.config = multi_agent_config(track, options)
         if matches < 1:
@@ -226,7 +193,7 @@ class BatchedArena(ManyMatches):
         mask: Flags | None = None,
         options: Mapping[str, Any] | None = None,
     ) -> Observation:
-        """Start new episodes.
+        """Start new episodes, and return the observations (B, L, …).
 
         Args:
             seed: The seed of the first match, from which the others count on; or a list of all seeds. None
@@ -234,9 +201,6 @@ class BatchedArena(ManyMatches):
             mask: (B,) bool, which matches to reset; None for all.
             options: ``start``, ``start_range``, ``target`` and ``map`` of these episodes only; and ``each``,
                 a list with such options for each row.
-
-        Returns:
-            The observation, by name (B, L, …).
 
         Raises:
             ValueError: A seed, the mask or an option is invalid; nothing has changed.
@@ -247,23 +211,12 @@ class BatchedArena(ManyMatches):
         return self._autoreset.reset(seeds, first_seed, chosen, options).observation
 
     def step(self, actions: Any) -> Outcome:
-        """Play one step in every match.
-
-        Args:
-            actions: (B, L, …) as in ``action_space``: an array, or a dictionary of arrays by field.
-
-        Raises:
-            ActionError: The actions are not in the action space.
-        """
+        """Play one step in every match with actions (B, L, …); ActionError if they are not in the space."""
         outcome = self._autoreset.step(actions)
         self.arena.finish_reading()
         return outcome
 
 
 def multi_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
-    """Return the options of an environment with several learners; there are no opponents by default.
-
-    Raises:
-        ValueError: An option is invalid.
-    """
+    """Return the options of an environment with several learners; there are no opponents by default."""
     return read_config(track, options, agents=TRACKS[track].learners if track in TRACKS else 1, opponents=())

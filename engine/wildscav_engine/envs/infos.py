@@ -31,13 +31,7 @@ class Infos:
         self._nothing = [0.0] * len(EVENTS), [0.0] * len(arena.terms)  # counts and terms
 
     def of(self, counts: list[float], terms: list[float], measured: Sequence[float] = ()) -> Info:
-        """Return the infos of one learner.
-
-        Args:
-            counts: Its events in the step.
-            terms: Its reward terms.
-            measured: Its metrics, if its episode ended with this step.
-        """
+        """Return the infos of one learner by its events, reward terms, and metrics if its episode ended."""
         no_counts, no_terms = self._nothing
         if self._arena.config.flat:
             return {

@@ -39,14 +39,9 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
     """
 
     def __init__(self, track: str, **options: Unpack[EnvOptions]) -> None:
-        """Create an environment.
+        """Create an environment of a track, with the fields of ``EnvOptions``; ValueError if one is invalid.
 
-        Args:
-            track: A name in ``tracks.TRACKS``.
-            options: The fields of ``EnvOptions``; ``agents`` is the number of learners.
-
-        Raises:
-            ValueError: An option is invalid.
+        ``agents`` is the number of learners.
         """
         self.config = multi_agent_config(track, options)
         self._options = {**options}
@@ -82,15 +77,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
-        """Start the next episode, or the first episode of a seed.
-
-        Args:
-            seed: 0 or more; determines all following episodes.
-            options: ``start``, ``start_range``, ``target`` and ``map`` of this episode only.
-
-        Raises:
-            ValueError: The seed or an option is invalid; nothing has changed.
-        """
+        """Start the next episode, or the first one of a seed, as ``SingleEnv.reset`` does."""
         if options == PROBE:
             options = None
         number = None if seed is None else read_seed(seed)
@@ -109,10 +96,7 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
     ) -> tuple[
         dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
     ]:
-        """Play one step.
-
-        Args:
-            actions: One action for each of ``agents``.
+        """Play one step, with one action for each of ``agents``.
 
         Raises:
             ActionError: An action is not in the action space, is missing, or is for an agent that is not in
@@ -170,24 +154,12 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
 
 
 def parallel_env(track: str, **options: Unpack[EnvOptions]) -> ParallelArena:
-    """Return a PettingZoo parallel environment.
-
-    Args:
-        track: A name in ``tracks.TRACKS``.
-        options: The fields of ``EnvOptions``; ``agents`` is the number of learners.
-
-    Raises:
-        ValueError: An option is invalid.
-    """
+    """Return a PettingZoo parallel environment; see ``ParallelArena``."""
     return ParallelArena(track, **options)
 
 
 def aec_env(track: str, **options: Unpack[EnvOptions]) -> "AECEnv[str, Observation, Any]":
-    """Return the same environment with agents that act one after another, by PettingZoo's conversion.
-
-    Raises:
-        ValueError: An option is invalid.
-    """
+    """Return the same environment with agents that act one after another, by PettingZoo's conversion."""
     return parallel_to_aec(parallel_env(track, **options))
 
 

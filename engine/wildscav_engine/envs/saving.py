@@ -16,11 +16,7 @@ LAYOUT = Layout(b"WILDSENV", 1, "a state of an environment")
 
 
 def save(arena: Arena, match: int, episodes: Episodes) -> bytes:
-    """Return one match of an arena and the position in its sequence of episodes as bytes.
-
-    Raises:
-        StateError: A player in the match has a memory, which would not be part of the state.
-    """
+    """Return one match of an arena and the position in its sequence of episodes as bytes."""
     header: dict[str, Any] = {"seed": episodes.seed, "number": episodes.number}
     names = arena.opponents.names(match)
     if names is not None:
@@ -29,13 +25,7 @@ def save(arena: Arena, match: int, episodes: Episodes) -> bytes:
 
 
 def load(arena: Arena, match: int, data: bytes) -> Episodes:
-    """Restore a match that ``save`` returned in an arena, and return its sequence of episodes.
-
-    Raises:
-        StateError: The bytes are not a state of an environment, are damaged, or have another version; or a
-            player that was in the match is not in this arena.
-        MatchSetupError: The match has another track, other rules or other seats.
-    """
+    """Restore a match that ``save`` returned, and return its episodes; errors as ``OneMatch.set_state``."""
     try:
         header, payload = unpack(LAYOUT, data)
     except BinaryFormatError as error:

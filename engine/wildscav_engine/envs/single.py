@@ -92,15 +92,7 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES}  # noqa: RUF012
 
     def __init__(self, track: str, **options: Unpack[EnvOptions]) -> None:
-        """Create an environment.
-
-        Args:
-            track: A name in ``tracks.TRACKS``.
-            options: The fields of ``EnvOptions``.
-
-        Raises:
-            ValueError: An option is invalid.
-        """
+        """Create an environment of a track with the fields of ``EnvOptions``; ValueError if one is wrong."""
         self.config = single_agent_config(track, options)
         self._options = {**options}
         self.metadata = pictures_of(self.config)
@@ -130,12 +122,7 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
         return self._begin()
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Play one step.
-
-        Raises:
-            ActionError: The action is not in the action space.
-            RuntimeError: No episode has started, or it has ended.
-        """
+        """Play one step; ActionError if the action is not in the space, RuntimeError without an episode."""
         arena = self.arena
         if arena.batch is None or arena.ended:
             raise RuntimeError("there is no episode, or it has ended: reset the environment first")
@@ -165,11 +152,7 @@ def pictures_of(config: EnvConfig) -> dict[str, Any]:
 
 
 def single_agent_config(track: str, options: Mapping[str, Any]) -> EnvConfig:
-    """Return the options of an environment with one learner; robots replace further learners of a preset.
-
-    Raises:
-        ValueError: An option is invalid, or there are several learners.
-    """
+    """Return the options of an environment with one learner; robots replace further learners of a preset."""
     config = read_config(track, options)
     if config.agents > 1 and "agents" not in options:
         from wildscav_engine.tracks import TRACKS

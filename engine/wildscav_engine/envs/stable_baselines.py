@@ -22,16 +22,7 @@ class StableVector(VecEnv):
     _actions: Any = None
 
     def __init__(self, track: str, num_envs: int, **options: Unpack[EnvOptions]) -> None:
-        """Create the environments.
-
-        Args:
-            track: A name in ``tracks.TRACKS``.
-            num_envs: The number of matches.
-            options: The fields of ``EnvOptions``.
-
-        Raises:
-            ValueError: An option is invalid.
-        """
+        """Create N environments of a track with the fields of ``EnvOptions``; ValueError if one is wrong."""
         self.vector = VectorArena(track, num_envs, autoreset_mode="SameStep", **options)
         super().__init__(num_envs, self.vector.single_observation_space, self.vector.single_action_space)
         self.metadata["render_fps"] = self.vector.metadata["render_fps"]  # for videos
@@ -65,11 +56,7 @@ class StableVector(VecEnv):
         self._actions = actions
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Refuse, because the environments have no attributes of their own.
-
-        Raises:
-            NotImplementedError: Always.
-        """
+        """Refuse, because the environments have no attributes of their own."""
         raise NotImplementedError(f"{attr_name} cannot be set: pass options when creating the environment")
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:  # noqa: ARG002

@@ -35,17 +35,7 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **options: Unpack[EnvOptions],
     ) -> None:
-        """Create the environments.
-
-        Args:
-            track: A name in ``tracks.TRACKS``.
-            num_envs: The number of matches.
-            autoreset_mode: When a match that has ended is reset.
-            options: The fields of ``EnvOptions``.
-
-        Raises:
-            ValueError: An option is invalid.
-        """
+        """Create N environments of a track with the fields of ``EnvOptions``; ValueError if one is wrong."""
         self.config = single_agent_config(track, options)
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}, must be at least 1")
@@ -93,11 +83,9 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
     def step(
         self, actions: Any
     ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], VectorInfos]:
-        """Play one step in every environment.
+        """Play one step in every environment; ActionError if an action is not in the action space.
 
-        Raises:
-            ActionError: The actions are not in the action space.
-            RuntimeError: There is no match yet, or one has ended and nothing resets it.
+        Raises RuntimeError if there is no match yet, or one has ended and nothing resets it.
         """
         outcome = self._autoreset.step(actions)
         infos = self._infos(outcome.rows, outcome.ended, outcome.metrics, self._all_rows)

@@ -15,11 +15,7 @@ class FlatObservations(gymnasium.ObservationWrapper[NDArray[np.float32], Any, Re
     """One row of numbers instead of a Dict: all groups and sensors concatenated, mostly in [-1, 1]."""
 
     def __init__(self, env: gymnasium.Env[Readings, Any]) -> None:
-        """Wrap an environment whose observations are a Dict of Boxes.
-
-        Raises:
-            TypeError: The observations have another space.
-        """
+        """Wrap an environment whose observations are a Dict of Boxes; TypeError if they are not."""
         super().__init__(env)
         space: Any = env.observation_space
         if not isinstance(space, Dict) or not all(isinstance(box, Box) for box in space.values()):
@@ -39,11 +35,7 @@ class FlatActions(gymnasium.ActionWrapper[Readings, NDArray[np.float32], dict[st
     """
 
     def __init__(self, env: gymnasium.Env[Readings, dict[str, Any]]) -> None:
-        """Wrap an environment with the action mode ``dict``.
-
-        Raises:
-            TypeError: It has another action mode.
-        """
+        """Wrap an environment with the action mode ``dict``; TypeError if it has another."""
         super().__init__(env)
         space: Any = env.action_space
         if not isinstance(space, Dict):

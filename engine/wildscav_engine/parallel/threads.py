@@ -52,14 +52,7 @@ class SharedWork:
     """
 
     def __init__(self, work: Callable[[Turns], bool], count: int, threads: int, least: int = 1) -> None:
-        """Let the other threads begin.
-
-        Args:
-            work: Processes the items whose turn comes, and returns whether it succeeded.
-            count: The number of items.
-            threads: The maximum number of threads, including the calling one.
-            least: The minimum number of items of a thread, unless there are fewer in total.
-        """
+        """Let the other threads begin; ``work`` processes the items whose turn comes. See ``share``."""
         self._work = work
         threads = min(threads, count // least, MAX_HELPERS + 1)
         self._own, *others = [ALONE] if threads <= 1 else turns_of(count, threads)

@@ -76,12 +76,7 @@ class Record:
 
 
 def record_of(match: Match, names: Sequence[str]) -> Record:
-    """Return the record of a match so far.
-
-    Args:
-        match: The match.
-        names: The display names of its seats.
-    """
+    """Return the record of a match so far, with the display names of its seats."""
     return Record(
         spec=match.spec,
         map_digest=match.game_map.digest,
@@ -98,11 +93,7 @@ def record_of(match: Match, names: Sequence[str]) -> Record:
 
 
 def write_record(path: Path, match: Match, names: Sequence[str]) -> None:
-    """Write the record of a match atomically.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Write the record of a match atomically; OSError if that is impossible."""
     save(record_of(match, names), path)
 
 
@@ -122,11 +113,7 @@ def check_recordable(spec: MatchSpec) -> None:
 
 
 def save(record: Record, path: Path) -> None:
-    """Write a record atomically.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Write a record atomically; OSError if that is impossible."""
     write_whole(path, encode(record))
 
 

@@ -10,7 +10,7 @@ from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.compilation.passed_tables import ADDRESS, COLUMNS, ITEM, ROWS
 from wildscav_engine.compilation.tables.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.rendering.tracing.scene_arrays import Shapes
-from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of
+from wildscav_engine.rendering.tracing.solids import Solids, all_shapes_of, gather_solids
 
 
 class ObjectArrays(NamedTuple):
@@ -61,19 +61,7 @@ class ObjectSets:
 
     def solids_of(self, match: int) -> Solids:
         """Return the objects of a match, as views."""
-        first, last = self.start[match], self.start[match + 1]
-        each, starts = slice(first, last), slice(first, last + 1)
-        kind, owner, low, high, face_start, faces, corner_start, corners, *_ = self.arrays
-        return Solids(
-            kind[each],
-            owner[each],
-            low[each],
-            high[each],
-            face_start[starts],
-            faces,
-            corner_start[starts],
-            corners,
-        )
+        return _solids_between(self.arrays, self.start[match], self.start[match + 1])
 
     def __reduce__(self) -> tuple[type["ObjectSets"], tuple[Any, ...]]:
         """Copy and pickle all but the table: copies have other addresses."""
@@ -173,28 +161,12 @@ def _write_address(array: NDArray[Any], row: NDArray[np.int64]) -> None:
         row[ROWS + axis] = array.shape[axis]
 
 
-_ROWS, _STARTS = np.zeros((0, 3)), np.zeros(1, np.int64)
+_SHAPES, _LOOKS = (np.zeros((0, 9)), np.zeros(0, np.int64)), (np.zeros((0, 3)), np.zeros(0, np.int32))
 # A kernel that returns the arrays of ``ObjectSets`` from their table.
-read_objects = reader(
-    ObjectArrays(
-        np.zeros(0, np.int8),
-        np.zeros(0, np.int32),
-        _ROWS,
-        _ROWS,
-        _STARTS,
-        np.zeros((0, 4)),
-        _STARTS,
-        _ROWS,
-        np.zeros((0, 9)),
-        _STARTS,
-        _ROWS,
-        np.zeros(0, np.int32),
-    )
-)
+read_objects = reader(ObjectArrays(*gather_solids([]), *_SHAPES, *_LOOKS))
 
 
-@inlined_kernel
-def solids_between(objects: ObjectArrays, first: int, last: int) -> Solids:
+def _solids_between(objects: ObjectArrays, first: int, last: int) -> Solids:
     """Return the objects from one index to before another, as views."""
     return Solids(
         objects.kind[first:last],
@@ -206,6 +178,9 @@ def solids_between(objects: ObjectArrays, first: int, last: int) -> Solids:
         objects.corner_start[first : last + 1],
         objects.corners,
     )
+
+
+solids_between = inlined_kernel(_solids_between)
 
 
 @inlined_kernel

@@ -36,6 +36,12 @@ def allocate_hits(count: int, height: int, width: int) -> Hits:
     return Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32))
 
 
+@inlined_kernel
+def is_same_surface(solid: int, face: int, other_solid: int, other_face: int) -> bool:
+    """Return whether two pixels show the same face of a solid, or both the ground."""
+    return bool((solid == other_solid) & ((face == other_face) | (solid == TERRAIN_HIT)))
+
+
 @kernel
 def write_hits(traced: TracedImage, hit: Hits) -> None:
     """Write what each ray of an image hit, in the terms of ``Hits``, all (H, W)."""

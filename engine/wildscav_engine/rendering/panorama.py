@@ -29,7 +29,7 @@ from wildscav_engine.rendering.trace import (
     trace_static,
     workspace_of,
 )
-from wildscav_engine.rendering.tracing.frustum import MARGIN, Camera
+from wildscav_engine.rendering.tracing.frustum import Optics, camera_at
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, fill, hit_buffer_in
 from wildscav_engine.rendering.tracing.solids import Solids
 from wildscav_engine.rendering.tracing.workspace import Size
@@ -46,20 +46,6 @@ SINGLE = 50.0  # columns or rows per radian where there is only one, and any num
 STEEPEST = 80.0  # degrees up and down of the rings that are traced like images
 MIN_COSINE = 1e-12  # rays straight up and down lean by this little
 SPHERE = 1.0 + 1e-9  # by which the squares of radii are enlarged to allow for rounding
-
-
-class Optics(NamedTuple):
-    """The numbers of the camera that sees one sector; see ``Camera``."""
-
-    scale: float
-    curve: float
-    scale_up: float
-    spread: float
-    level: float
-    half_width: float
-    half_height: float
-    margin: float
-    margin_up: float
 
 
 class Sectors(NamedTuple):
@@ -115,11 +101,9 @@ def _scale_of(places: NDArray[np.floating], right: NDArray[np.floating]) -> tupl
 
 
 def _rows_of(elevations: NDArray[np.float64], side: float) -> tuple[float, float, float, float]:
-    """Return the scale upwards, the spread, the level and the margin upwards.
+    """Return the scale upwards, the spread, the level and the margin upwards, given elevations in radians.
 
-    Args:
-        elevations: (C,) radians.
-        side: The cosine of the angle between the middle and the side of the sector.
+    ``side`` is the cosine of the angle between the middle and the side of the sector.
     """
     span = float(elevations[0] - elevations[-1])
     per_radian = (len(elevations) - 1) / span if span > 0.0 else SINGLE
@@ -213,9 +197,8 @@ def _trace_sectors(
         for sector in range(sectors):
             first, last = sector * columns, min((sector + 1) * columns, azimuths)
             middle = yaw + 360.0 * (first + (columns - 1) * 0.5) / azimuths
-            camera = _camera_at(
-                cameras.eyes[image], middle, columns, rings.levels.shape[0], optics, cameras.far
-            )
+            eye, count_of_rings = cameras.eyes[image], rings.levels.shape[0]
+            camera = camera_at(eye, middle, 0.0, optics, columns, count_of_rings, cameras.far)
             _aim_sector(buffer, rings, yaw, first, azimuths)
             fill(buffer, cameras.far, NOTHING)
             trace_static(parts, camera, False, buffer)
@@ -224,36 +207,6 @@ def _trace_sectors(
                 line, distance = images[image, above + ring, first:last], buffer.distance[ring * columns :]
                 for column in range(last - first):
                     line[column] = distance[column]
-
-
-@inlined_kernel
-def _camera_at(
-    eye: NDArray[np.float64], yaw: float, columns: int, rows: int, optics: Optics, far: float
-) -> Camera:
-    """Return the level camera that sees a sector."""
-    return Camera(
-        eye[0],
-        eye[1],
-        eye[2],
-        sine(yaw),
-        cosine(yaw),
-        0.0,
-        1.0,
-        optics.scale,
-        optics.curve,
-        optics.scale_up,
-        optics.spread,
-        optics.level,
-        columns,
-        rows,
-        optics.half_width,
-        optics.half_height,
-        np.sqrt(1.0 + optics.half_width * optics.half_width),
-        np.sqrt(1.0 + optics.half_height * optics.half_height),
-        far,
-        MARGIN + optics.margin,
-        MARGIN + optics.margin_up,
-    )
 
 
 @inlined_kernel

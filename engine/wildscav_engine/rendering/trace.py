@@ -19,7 +19,7 @@ from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
 from wildscav_engine.rendering.dynamic_objects import ObjectArrays, ObjectSets, read_objects, shapes_between
 from wildscav_engine.rendering.tracing.front_to_back import trace_moving_solids, trace_world
-from wildscav_engine.rendering.tracing.frustum import Camera, camera_at
+from wildscav_engine.rendering.tracing.frustum import Camera, camera_at, pinhole
 from wildscav_engine.rendering.tracing.hit_buffer import NOTHING, HitBuffer, aim_rays, hit_buffer_in
 from wildscav_engine.rendering.tracing.scene import Scene, Scenes, scene_of
 from wildscav_engine.rendering.tracing.scene_arrays import Shapes
@@ -75,7 +75,8 @@ def _trace_static_depths(
             continue
         parts = read_workspace(workspaces[image if workspaces.shape[0] > 1 else 0])
         buffer = hit_buffer_in(width, parts.image)
-        camera = camera_at(eyes[image], yaws[image], pitches[image], half_width, width, height, far)
+        optics = pinhole(half_width, width, height)
+        camera = camera_at(eyes[image], yaws[image], pitches[image], optics, width, height, far)
         aim_rays(buffer, camera)
         trace_static(parts, camera, False, buffer)
         write_depths(buffer, depths[image])
@@ -151,15 +152,9 @@ def flatten_views(
 ) -> tuple[Any, ...]:
     """Return the views of some cameras as the last arguments of a kernel, which takes them as ``*views``.
 
-    They include addresses: the caller must keep the scenes and objects alive during the call.
-
-    Args:
-        scenes: The static worlds of N cameras, or one for all.
-        objects: The moving objects of some matches.
-        matches: (N,) the match in ``objects`` that each camera is in.
-        cameras: N cameras.
-        turns: In which order to render their images, with other threads.
-        size: The size of their images, and of the largest of the moving objects.
+    For the arguments, see ``images.trace_images``; ``size`` is that of the images, and of the largest of the
+    moving objects. The views include addresses: the caller must keep the scenes and objects alive during the
+    call.
     """
     return *cameras, scenes.tables(size), objects.addresses, objects.start, matches, *turns
 
@@ -189,7 +184,8 @@ def trace_view(views: Views, image: int, height: int, width: int, with_water: bo
     workspace, moving = workspace_of(matches, image), shapes_of_match(matches, image)
     buffer = hit_buffer_in(width, workspace.image)
     eye, yaw, pitch = cameras.eyes[image], cameras.yaws[image], cameras.pitches[image]
-    camera = camera_at(eye, yaw, pitch, cameras.half_width, width, height, cameras.far)
+    optics = pinhole(cameras.half_width, width, height)
+    camera = camera_at(eye, yaw, pitch, optics, width, height, cameras.far)
     aim_rays(buffer, camera)
     trace_static(workspace, camera, with_water, buffer)
     trace_moving(workspace, moving, camera, cameras.viewers[image], buffer)

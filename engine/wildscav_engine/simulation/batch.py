@@ -46,9 +46,6 @@ class Batch:
             specs: One for each match.
             maps: One for each match, if already available; otherwise they are generated.
             pool: Maps on which matches will be restarted later.
-
-        Raises:
-            MatchSetupError: A match cannot be set up, or the specs cannot share a batch.
         """
         self.specs = list(specs)
         self.maps = _maps_for(self.specs, maps)
@@ -96,17 +93,11 @@ class Batch:
         return self.known_tables
 
     def step(self, actions: ArrayLike, *, threads: int = 1) -> NDArray[np.float32]:
-        """Play one step of every match that is not over.
+        """Play one step of every match that is not over; return (B, A, FIELDS) the actions as played.
 
-        Args:
-            actions: (B, A, FIELDS). Rows of robots are replaced by the robots' actions, fields outside the
-                track's action set count as zero, and a row with a number that is not finite or a walk speed
-                outside 0–10 m/s does nothing.
-            threads: The maximum number of threads; small batches use fewer. The outcome does not depend on
-                it, bit for bit.
-
-        Returns:
-            (B, A, FIELDS), the actions as played.
+        Rows of robots are replaced by the robots' actions, fields outside the track's action set count as
+        zero, and a row with a number that is not finite or a walk speed outside 0–10 m/s does nothing. Small
+        batches use fewer threads; the outcome does not depend on them, bit for bit.
 
         Raises:
             ValueError: The actions have another shape or are not real numbers, or ``threads`` is less than 1.
@@ -138,13 +129,7 @@ class Batch:
 
         If a match has more boxes, zone phases or hot spots than any before it, the batch allocates larger
         arrays for them. References to ``state`` are then outdated: read it from the batch again after this
-        call.
-
-        Args:
-            rows: The rows, without duplicates.
-            specs: One for each row, with the track, the rules and the frames per action of the batch, and
-                no more seats than the largest match with which the batch was created.
-            maps: One for each row, if already available; otherwise they are generated.
+        call. A match may have no more seats than the largest with which the batch was created.
 
         Raises:
             MatchSetupError: A match cannot be set up or cannot be in this batch; no row has changed.
@@ -166,22 +151,15 @@ class Batch:
         self._open_matches(np.array(rows, np.int64))
 
     def get_state(self, row: int, history: History | None = None) -> bytes:
-        """Return one match as bytes, from which any batch of such matches can continue it later.
-
-        Args:
-            row: The row of the match.
-            history: What was played so far, to be stored with the state.
-        """
+        """Return one match as bytes, with what was played so far if given; such a batch can continue it."""
         tables = self.known_tables
         return encode(self.specs[row], self.maps[row], tables, row, self._counts(row), history)
 
     def set_state(self, row: int, data: bytes) -> History | None:
-        """Restore a match from ``get_state`` into a row, without changing the other rows.
+        """Restore a match from ``get_state`` into a row, and return what was played so far if it is stored.
 
-        As with ``restart``, the arrays of ``state`` may be replaced, and if it fails, no row has changed.
-
-        Returns:
-            What was played so far, if it was stored with the state.
+        The other rows do not change. As with ``restart``, the arrays of ``state`` may be replaced, and if it
+        fails, no row has changed.
 
         Raises:
             StateError: The bytes are not a state, are damaged, or have another version of the rules or of
@@ -287,11 +265,7 @@ class Batch:
 
 
 def _check_rows(rows: Sequence[int], matches: int) -> None:
-    """Check that rows exist in a batch and are different.
-
-    Raises:
-        ValueError: A row does not exist or is listed twice.
-    """
+    """Check that rows exist in a batch and are different."""
     if len(set(rows)) != len(rows) or not all(0 <= row < matches for row in rows):
         raise ValueError(f"rows are {list(rows)}, must be different and of 0 to {matches - 1}")
 
@@ -308,15 +282,7 @@ def _check_seats(specs: Sequence[MatchSpec], seats: int) -> None:
 
 
 def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """Check the shape and type of actions, and return a float32 copy for kernels.
-
-    Args:
-        actions: Rows of FIELDS numbers.
-        shape: The required shape before the last axis: (B, A), or (A,).
-
-    Raises:
-        ValueError: They have another shape, or are not real numbers.
-    """
+    """Return a copy of actions as float32 rows with the axes (B, A) or (A,); else raise ValueError."""
     rows = np.asarray(actions)
     if rows.shape != (*shape, FIELDS) or rows.dtype.kind not in "biuf":
         wanted = (*shape, FIELDS)
@@ -332,11 +298,7 @@ def check_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.floa
 def _maps_for(
     specs: Sequence[MatchSpec], maps: Sequence[GameMap] | None, matches: int | None = None
 ) -> list[GameMap]:
-    """Return the map of every match, given or generated.
-
-    Raises:
-        MatchSetupError: A map cannot be generated, or the number of maps or specs is not that of the matches.
-    """
+    """Return the map of every match, given or generated."""
     count = len(specs) if matches is None else matches
     if len(specs) != count:
         raise MatchSetupError(f"{len(specs)} specs are given for {count} matches")
@@ -351,11 +313,7 @@ def _maps_for(
 
 
 def _shared(specs: Sequence[MatchSpec]) -> MatchSpec:
-    """Check that specs can share a batch, and return the first one.
-
-    Raises:
-        MatchSetupError: They cannot, or there is no spec.
-    """
+    """Check that specs can share a batch, and return the first one."""
     if not specs:
         raise MatchSetupError("a batch needs at least one match")
     first = specs[0]

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import kernel, specialize
 from wildscav_engine.compilation.tables.array_tables import Addresses, number_reader, reader, row_reader
 from wildscav_engine.maps.bank import world_at
-from wildscav_engine.simulation.state import allocate_state, matches_at
+from wildscav_engine.simulation.state import Game, allocate_state, matches_at
 from wildscav_engine.simulation.step import let_robots_decide, play_step, resolve_actions
-from wildscav_engine.simulation.systems.visibility import allocate_seen, find_seen_in_match
+from wildscav_engine.simulation.systems.agent_grid import index_agents
+from wildscav_engine.simulation.systems.visibility import allocate_seen, find_seen
 from wildscav_engine.specs.rules import Rules
 
 _EXAMPLE = allocate_state(1, 1, 1, 1, 1, 1)
@@ -61,10 +62,11 @@ def play_batch(
             world = world_at(batch.bank[matches.map_index[match]])
             agents = agents_of(batch.agents, match, seats)
             supplies = supplies_of(batch.supplies, match, matches.slots[match])
-            played, rules = actions[match][:seats], rules_from(batch.rules)
+            rules, played = rules_from(batch.rules), actions[match][:seats]
+            game = Game(world, agents, supplies, matches, match, rules)
             if not is_reset:
                 resolve_actions(agents, played, batch.allowed)
-            play_step(world, agents, supplies, matches, match, played, frames_per_action, rules, is_reset)
+            play_step(game, played, frames_per_action, is_reset)
 
 
 @kernel
@@ -85,21 +87,12 @@ def play_batch_with_robots(
             world = world_at(batch.bank[matches.map_index[match]])
             agents = agents_of(batch.agents, match, seats)
             supplies = supplies_of(batch.supplies, match, matches.slots[match])
-            played, rules = actions[match][:seats], rules_from(batch.rules)
+            rules, played = rules_from(batch.rules), actions[match][:seats]
+            game = Game(world, agents, supplies, matches, match, rules)
             if not is_reset:
-                let_robots_decide(
-                    world,
-                    agents,
-                    supplies,
-                    matches,
-                    match,
-                    seen_of(batch.seen, match, seats),
-                    played,
-                    batch.allowed,
-                    frames_per_action,
-                    rules,
-                )
-            play_step(world, agents, supplies, matches, match, played, frames_per_action, rules, is_reset)
+                seen = seen_of(batch.seen, match, seats)
+                let_robots_decide(game, seen, played, batch.allowed, frames_per_action)
+            play_step(game, played, frames_per_action, is_reset)
 
 
 @kernel
@@ -110,16 +103,15 @@ def find_seen_in_batch(table: Addresses, rows: NDArray[np.int64], seats: NDArray
     for index in range(rows.shape[0]):
         match = rows[index]
         count = matches.seats[match]
-        find_seen_in_match(
-            world_at(batch.bank[matches.map_index[match]]),
-            agents_of(batch.agents, match, count),
-            supplies_of(batch.supplies, match, matches.slots[match]),
-            matches,
-            match,
-            seats,
-            rules_from(batch.rules),
-            seen_of(batch.seen, match, count),
-        )
+        world = world_at(batch.bank[matches.map_index[match]])
+        agents = agents_of(batch.agents, match, count)
+        supplies = supplies_of(batch.supplies, match, matches.slots[match])
+        game = Game(world, agents, supplies, matches, match, rules_from(batch.rules))
+        seen = seen_of(batch.seen, match, count)
+        index_agents(game)
+        for place in range(seats.shape[0]):
+            if seats[place] < count:
+                find_seen(game, seats[place], seen)
 
 
 def compile_matches() -> None:

@@ -80,17 +80,7 @@ def _word(played: NDArray[np.uint32], facts: NDArray[np.float64], seat: int, pla
 
 @inlined_kernel
 def digest_step(digest: Word, agents: Agents, actions: NDArray[np.float32], frame: int) -> Word:
-    """Return the digest after a step.
-
-    Args:
-        digest: The digest before the step.
-        agents: The agents of the match.
-        actions: (A, FIELDS), the actions played.
-        frame: The number of frames played.
-
-    Returns:
-        The 64-bit digest.
-    """
+    """Return the digest after a step, by the (A, FIELDS) actions played and the number of frames so far."""
     start = mix(digest, np.uint64(frame))
     lanes: Lanes = (start, start ^ FIRST_FACTOR, start ^ SECOND_FACTOR, start ^ WORD_FACTOR)
     played = actions.view(np.uint32)

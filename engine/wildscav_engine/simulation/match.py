@@ -39,10 +39,6 @@ class Match:
     def __init__(self, spec: MatchSpec, game_map: GameMap | None = None) -> None:
         """Set up a match.
 
-        Args:
-            spec: The spec of the match.
-            game_map: Its map; None to generate it.
-
         Raises:
             MatchSetupError: The match cannot be set up; the message says why.
         """
@@ -106,25 +102,14 @@ class Match:
         return int(self.state.matches.digest[0])
 
     def start_info(self, seat: int) -> StartInfo:
-        """Return what a seat knows before the first step.
-
-        Raises:
-            ValueError: The match has no such seat.
-        """
+        """Return what a seat knows before the first step; ValueError if there is no such seat."""
         if not 0 <= seat < self.seats:
             raise ValueError(f"there is no seat {seat}; the seats are 0 to {self.seats - 1}")
         told = start_info(self._batch, 0, seat)
         return told._replace(seed=self.seeds.get(seat, told.seed))
 
     def step(self, actions: ArrayLike | None = None) -> None:
-        """Play one step; do nothing if the match is over.
-
-        Args:
-            actions: (A, FIELDS), as in ``Batch.step``; None if no seat acts.
-
-        Raises:
-            ValueError: The actions have another shape or are not real numbers.
-        """
+        """Play one step with the actions of all seats, as ``Batch.step`` does; nothing if it is over."""
         if self.over:
             return
         rows = no_actions(self.seats) if actions is None else check_actions(actions, (self.seats,))
@@ -137,13 +122,7 @@ class Match:
         return self._batch.get_state(0, History(actions, np.array(self.digests, np.uint64)))
 
     def set_state(self, data: bytes) -> None:
-        """Continue from a state that ``get_state`` returned, of any match with the same track and rules.
-
-        Raises:
-            StateError: The bytes are no state of a match, damaged, or of another version of the rules or of
-                the map.
-            MatchSetupError: The match has another track, other rules or more seats than this one.
-        """
+        """Continue from a state that ``get_state`` returned; the errors are those of ``Batch.set_state``."""
         if decode(data).history is None:
             raise StateError("the state is of a row of a batch, which does not keep what was played")
         history = self._batch.set_state(0, data)

@@ -81,16 +81,7 @@ def encode(
     counts: Counts,
     history: History | None,
 ) -> bytes:
-    """Return a match of a batch as bytes.
-
-    Args:
-        spec: The spec of the match.
-        game_map: Its map.
-        tables: The address tables of the parts of the batch.
-        row: The row of the match.
-        counts: The numbers of its seats, slots, phases, places and waves.
-        history: The actions and digests so far, if they are known.
-    """
+    """Return a match of a batch as bytes, with the actions and digests so far if they are known."""
     sizes = sizes_of(tables, counts)
     content = np.empty(sum(int(part.sum()) for part in sizes), np.uint8)
     _copy(tables, row, sizes, content, writes=False)
@@ -107,11 +98,7 @@ def encode(
 
 
 def decode(data: bytes) -> Snapshot:
-    """Decode the bytes of a state.
-
-    Raises:
-        StateError: They are not a state, are damaged, or have other versions of the rules or of the maps.
-    """
+    """Decode the bytes of a state; StateError if they are not a state of these versions, or damaged."""
     try:
         header, payload = unpack(LAYOUT, data)
     except BinaryFormatError as error:
@@ -149,9 +136,6 @@ def check_size(snapshot: Snapshot, tables: Sequence[Addresses]) -> None:
     """Refuse a snapshot whose size differs from that of this engine's states.
 
     The size does not depend on the capacity of the batch, so it may be checked before the batch grows.
-
-    Raises:
-        StateError: The size differs.
     """
     sizes = sizes_of(tables, snapshot.counts)
     if sum(int(part.sum()) for part in sizes) != len(snapshot.content):
@@ -179,11 +163,7 @@ def _copy(
 
 
 def map_for(snapshot: Snapshot, known: Sequence[GameMap]) -> GameMap:
-    """Return the map of a snapshot, which is generated if it is not among the known maps.
-
-    Raises:
-        StateError: It cannot be generated, or its digest differs.
-    """
+    """Return the map of a snapshot, which is generated if it is not among the known maps."""
     for game_map in known:
         if game_map.digest == snapshot.map_digest:
             return game_map

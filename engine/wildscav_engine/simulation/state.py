@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.passed_tables import pass_as_table
 from wildscav_engine.compilation.tables.array_tables import ArrayTable, reader, values_reader
+from wildscav_engine.geometry.world import World
+from wildscav_engine.specs.rules import Rules
 
 NOBODY = -1  # in place of a seat
 NOT_ELIMINATED = -1  # in place of the frame of an elimination
@@ -199,6 +201,17 @@ class Matches(NamedTuple):
     box_squares: Annotated[Integers, Axes(inner=(BOX_SQUARES**2,))]
 
 
+class Game(NamedTuple):
+    """One match of a batch, as kernels play it."""
+
+    world: World
+    agents: Agents  # of the match, as are the boxes
+    supplies: Supplies
+    matches: Matches  # all of the batch
+    match: int  # its index among them
+    rules: Rules
+
+
 class _Parts(NamedTuple):
     agents: Agents
     supplies: Supplies
@@ -239,13 +252,7 @@ def axes_of(kind: type[tuple[Any, ...]]) -> Mapping[str, tuple[type[np.generic],
 
 
 def allocate(kind: type[Arrays], matches: int, lengths: Sequence[int]) -> Arrays:
-    """Return new arrays for all fields of a class.
-
-    Args:
-        kind: A NamedTuple whose fields are annotated with ``Axes``.
-        matches: The number of matches.
-        lengths: The length of the second axis for each ``Extent``.
-    """
+    """Return new arrays for all fields of a class annotated with ``Axes``; ``lengths`` are by ``Extent``."""
     arrays = []
     for dtype, (extent, inner, fill) in axes_of(kind).values():
         second = () if extent == Extent.WHOLE else (lengths[extent],)
@@ -274,17 +281,10 @@ def copied(arrays: Any) -> Any:
 
 
 def with_room(state: State, slots: int, phases: int, places: int, waves: int) -> State:
-    """Return a state with at least the given capacity: the same state if it is large enough.
+    """Return a state with room for so much in each match: the same state if it is large enough.
 
     Only arrays that are too small are replaced. Those of boxes grow by a quarter more than needed, so that
     this happens rarely.
-
-    Args:
-        state: The state.
-        slots: The number of boxes in each match.
-        phases: The number of phases of the safe zone in each match.
-        places: The number of places of the hot spot in each match.
-        waves: The number of waves of supplies in each match.
     """
     if slots > state.supplies.quantity.shape[1]:
         slots += slots // 4

@@ -91,11 +91,7 @@ class Measure(ABC):
 
 
 def make_track(name: str, kind: Any) -> Track:
-    """Return the track of a class that an entry point names.
-
-    Raises:
-        ValueError: The class is not a valid track.
-    """
+    """Return the track of a class that an entry point names; ValueError if it is not valid."""
     track: Track = _instance(
         kind, Track, ("name", "title", "fields", "metrics", "rewards", "robot", "learners")
     )
@@ -107,11 +103,7 @@ def make_track(name: str, kind: Any) -> Track:
 
 
 def make_metric(name: str, kind: Any) -> Measure:
-    """Return the metric of a class that an entry point names.
-
-    Raises:
-        ValueError: The class is not a valid metric.
-    """
+    """Return the metric of a class that an entry point names; ValueError if it is not valid."""
     measure: Measure = _instance(kind, Measure, ("metric",))
     if measure.metric.name != name:
         raise ValueError(f"its metric is called {measure.metric.name!r}")
@@ -119,11 +111,7 @@ def make_metric(name: str, kind: Any) -> Measure:
 
 
 def _instance(kind: Any, base: type, attributes: tuple[str, ...]) -> Any:
-    """Check that a class has everything that its base class requires, and return an instance.
-
-    Raises:
-        ValueError: It does not.
-    """
+    """Return an instance of a class that has everything that its base class requires."""
     if not isinstance(kind, type) or not issubclass(kind, base):
         raise ValueError(f"it is no class that derives from {base.__name__}")
     missing = [attribute for attribute in attributes if not hasattr(kind, attribute)]
@@ -138,12 +126,7 @@ MEASURES: Registry[Measure] = Registry("wildscav.metrics")
 
 
 def metrics_of(track: str, more: Iterable[str] = ()) -> tuple[Metric, ...]:
-    """Return the metrics of the seats of a match; the first is the score.
-
-    Args:
-        track: The match's track.
-        more: The names of the additional metrics in its spec.
-    """
+    """Return the metrics of the seats of a match; the first is the score. ``more`` are those of its spec."""
     own = TRACKS[track].metrics + TRACKS[track].slow_metrics
     return own + tuple(MEASURES[name].metric for name in more)
 

@@ -5,7 +5,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from wildscav_engine.specs.base import Seed, Spec
-from wildscav_engine.specs.supply_config import SupplyConfig
+from wildscav_engine.specs.supply_config import Ascending, SupplyConfig
+
+Storeys = Annotated[int, Field(ge=1, le=4)]
 
 
 class Placement(Spec):
@@ -17,7 +19,7 @@ class Placement(Spec):
     # m, width and depth. A house or a block has this size (None: drawn by the generator); trees, bushes
     # and rocks fill it (None: a single one).
     orientation: Annotated[float, Field(ge=-360, le=360)] = 0.0  # degrees, the yaw of its front
-    storeys: Annotated[int, Field(ge=1, le=4)] | None = None  # of a house; None: drawn by the generator
+    storeys: Storeys | None = None  # of a house; None: drawn by the generator
     height: Annotated[float, Field(gt=0, le=30)] = 2.0  # m, of a block
     density: Annotated[float, Field(gt=0, le=1)] = 0.5  # of trees, bushes and rocks in an area; 1: densest
 
@@ -57,7 +59,7 @@ class MapConfig(Spec):
     water: Annotated[float, Field(ge=0, le=0.4)] = 0.08  # approximate share of the area under lakes
     houses: Annotated[int, Field(ge=0, le=200)] = 4  # in addition to those placed by hand
     density: Literal["low", "high"] = "low"  # scattered houses, or houses close together along streets
-    storeys: tuple[Annotated[int, Field(ge=1, le=4)], Annotated[int, Field(ge=1, le=4)]] = (1, 2)
+    storeys: Annotated[tuple[Storeys, Storeys], Ascending] = (1, 2)
     vegetation: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 bare, 1 dense woods
     # Barriers with few ways through, and targets that are hard to get at; None: open country.
     country: Annotated[Country | None, Field(exclude_if=lambda country: country is None)] = None
@@ -69,12 +71,6 @@ class MapConfig(Spec):
     base: Annotated[str, Field(pattern="^[0-9a-f]{32}$")] | None = None
     # For matches on this map whose own spec has none; None: the track's default.
     supplies: SupplyConfig | None = None
-
-    @model_validator(mode="after")
-    def _storeys_ascend(self) -> Self:
-        if self.storeys[0] > self.storeys[1]:
-            raise ValueError(f"storeys is {self.storeys}: the first number must not be above the second")
-        return self
 
 
 class MapSpec(Spec):

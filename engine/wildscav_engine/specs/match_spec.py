@@ -1,7 +1,7 @@
 """The spec of a match: everything that determines it, apart from its actions."""
 
 from functools import cache
-from typing import Annotated, Any, Literal, NamedTuple, Protocol, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
@@ -36,39 +36,10 @@ class SeatEquipment(NamedTuple):
     shot_damage: int  # hp per hit
 
 
-class TrackRules(Protocol):
-    """What a spec needs to know about its track; see ``simulation/track.py``."""
-
-    has_target: bool
-    has_supplies: bool
-    has_supply_goal: bool
-    has_zone: bool
-    metrics: tuple["MetricName", ...]
-    slow_metrics: tuple["MetricName", ...]
-
-    def teams(self, seats: int) -> tuple[int, ...]:
-        """Return the default team of each seat."""
-
-
-class MetricName(Protocol):
-    """What a spec needs to know about a metric."""
-
-    @property
-    def name(self) -> str:
-        """The name by which a spec asks for the metric."""
-
-
-class RobotName(Protocol):
-    """What a spec needs to know about a robot; see ``simulation/robots/base.py``."""
-
-    @property
-    def name(self) -> str:
-        """The name by which a spec assigns the robot to a seat."""
-
-
-_TRACKS: Registry[TrackRules] = Registry("wildscav.tracks")
-_METRICS: Registry[object] = Registry("wildscav.metrics")
-_ROBOTS: Registry[tuple[RobotName, ...]] = Registry("wildscav.robots")
+# Of ``Track``, of ``Measure`` and of levels of ``Robot``, which a lower layer cannot import.
+_TRACKS: Registry[Any] = Registry("wildscav.tracks")
+_METRICS: Registry[Any] = Registry("wildscav.metrics")
+_ROBOTS: Registry[Any] = Registry("wildscav.robots")
 
 
 @cache
@@ -138,19 +109,18 @@ class MatchSpec(Spec):
 
     def equipment_of(self, seat: int) -> SeatEquipment:
         """Return the equipment of a seat: its own where the spec gives it, otherwise that of the rules."""
-        own = (self.equipment[seat] if self.equipment is not None else None) or Equipment()
         rules = self.rules
-        return SeatEquipment(
-            health=rules.start_health if own.health is None else own.health,
-            clip_size=rules.clip_size if own.clip_size is None else own.clip_size,
-            spare_ammo=rules.spare_ammo if own.spare_ammo is None else own.spare_ammo,
-            shot_damage=rules.shot_damage if own.shot_damage is None else own.shot_damage,
-        )
+        equipment = SeatEquipment(rules.start_health, rules.clip_size, rules.spare_ammo, rules.shot_damage)
+        own = self.equipment[seat] if self.equipment is not None else None
+        return equipment if own is None else equipment._replace(**own.model_dump(exclude_none=True))
 
     @property
     def team_of_seats(self) -> tuple[int, ...]:
         """The team of each seat."""
-        return self.teams if self.teams is not None else _TRACKS[self.track].teams(len(self.seats))
+        if self.teams is not None:
+            return self.teams
+        of_track: tuple[int, ...] = _TRACKS[self.track].teams(len(self.seats))
+        return of_track
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:
@@ -193,28 +163,14 @@ class MatchSpec(Spec):
         return self
 
     @model_validator(mode="after")
-    def _starts_fit(self) -> Self:
-        if self.starts is None:
-            return self
-        if self.start is not None:
+    def _lists_fit_the_seats(self) -> Self:
+        if self.start is not None and self.starts is not None:
             raise ValueError("start and starts are both given; starts includes the start of the first seat")
-        if len(self.starts) != len(self.seats):
-            raise ValueError(f"{len(self.starts)} starts are given for {len(self.seats)} seats")
-        return self
-
-    @model_validator(mode="after")
-    def _equipment_fits(self) -> Self:
-        if self.equipment is not None and len(self.equipment) != len(self.seats):
-            raise ValueError(f"equipment has {len(self.equipment)} entries for {len(self.seats)} seats")
-        return self
-
-    @model_validator(mode="after")
-    def _teams_fit(self) -> Self:
-        if self.teams is None:
-            return self
-        if len(self.teams) != len(self.seats):
-            raise ValueError(f"{len(self.teams)} teams are given for {len(self.seats)} seats")
-        missing = sorted(set(range(max(self.teams))) - set(self.teams))
-        if missing:
+        for name in ("starts", "teams", "equipment"):
+            given = getattr(self, name)
+            if given is not None and len(given) != len(self.seats):
+                raise ValueError(f"{name} has {len(given)} entries for {len(self.seats)} seats")
+        teams = set(self.teams or ())
+        if missing := sorted(set(range(max(teams, default=0))) - teams):
             raise ValueError(f"team {missing[0]} has no seat; teams must be numbered from 0 without gaps")
         return self

@@ -1,13 +1,24 @@
 """Where and when supply boxes appear, and what they hold."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from wildscav_engine.specs.base import Spec
 
 Percent = Annotated[float, Field(ge=0, le=100)]
-Quantities = tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(le=1000)]]  # least and greatest
+
+
+def ascending(pair: tuple[int, int]) -> tuple[int, int]:
+    """Check the least and the greatest of a range."""
+    if pair[0] > pair[1]:
+        raise ValueError(f"{pair}: the first number must not be above the second")
+    return pair
+
+
+Ascending = AfterValidator(ascending)
+# Least and greatest.
+Quantities = Annotated[tuple[Annotated[int, Field(ge=1)], Annotated[int, Field(le=1000)]], Ascending]
 
 
 class SupplyWave(Spec):
@@ -30,11 +41,6 @@ class HotSpot(Spec):
     boxes: Annotated[int, Field(ge=1, le=200)] = 12  # at each place, as far as there is open ground for them
     quantity: Quantities = (10, 30)  # supplies in a box
 
-    @model_validator(mode="after")
-    def _quantities_ascend(self) -> Self:
-        _check_ascending("quantity", self.quantity)
-        return self
-
 
 class SupplyConfig(Spec):
     """Where supply boxes are and how many supplies they hold."""
@@ -52,15 +58,3 @@ class SupplyConfig(Spec):
         if self.hot_spot is None:
             fields.pop("hot_spot", None)
         return fields
-
-    @model_validator(mode="after")
-    def _quantities_ascend(self) -> Self:
-        for name in ("outdoor_quantity", "indoor_quantity"):
-            _check_ascending(name, getattr(self, name))
-        return self
-
-
-def _check_ascending(name: str, quantities: tuple[int, int]) -> None:
-    """Raise ValueError unless the least quantity is at most the greatest."""
-    if quantities[0] > quantities[1]:
-        raise ValueError(f"{name} is {quantities}: the first number must not be above the second")

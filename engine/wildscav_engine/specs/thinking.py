@@ -32,13 +32,9 @@ class ThinkingPrice(Spec):
     budget: Annotated[float, Field(ge=0, le=86_400)] | None = None
 
     def cost(self, tokens: int, processor: int) -> int:
-        """Return the price of thinking in billionths of a nanosecond of game time, exactly.
+        """Return the price of tokens and processor ns in billionths of a nanosecond of game time, exactly.
 
         Both rates are rounded to nanoseconds, so that this is a sum of whole numbers.
-
-        Args:
-            tokens: That a model wrote.
-            processor: ns of a processor.
         """
         return tokens * round(self.token_time * NANO) * NANO + processor * round(self.processor_time * NANO)
 
@@ -52,11 +48,7 @@ USED: dict[str, tuple[str, ...]] = {
 
 
 def check_price(clock: ClockName, thinking: ThinkingPrice) -> None:
-    """Refuse a price that has no meaning by a clock.
-
-    Raises:
-        ValueError: It has none; the message names the field.
-    """
+    """Refuse a price that has no meaning by a clock."""
     for name, field in ThinkingPrice.model_fields.items():
         if getattr(thinking, name) != field.default and name not in USED[clock]:
             raise ValueError(f"thinking.{name} is given, but the clock {clock} does not use it")
@@ -94,12 +86,7 @@ class Account:
         self._owed = 0  # billionths of a nanosecond of game time, less than a step
 
     def charge(self, tokens: int, processor: int) -> int:
-        """Return how many whole steps pass for a thought; the rest is owed on.
-
-        Args:
-            tokens: That a model wrote.
-            processor: ns of a processor.
-        """
+        """Return how many whole steps pass for a thought of tokens and ns; the rest is owed on."""
         steps, self._owed = divmod(self._owed + self._price.cost(tokens, processor), self._step)
         return steps
 

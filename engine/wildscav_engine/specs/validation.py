@@ -1,5 +1,7 @@
-"""One-line descriptions of validation errors."""
+"""One-line descriptions of validation errors, and suggestions for names that do not exist."""
 
+from collections.abc import Iterable
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
@@ -46,3 +48,9 @@ def _shortened_repr(value: object) -> str:
 
 def _shortened(text: str) -> str:
     return text if len(text) <= MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}…"
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return a suggestion to append to an error, such as " (did you mean 'target'?)", or nothing."""
+    near = get_close_matches(name, known, n=2, cutoff=0.7)
+    return f" (did you mean {' or '.join(map(repr, near))}?)" if near else ""

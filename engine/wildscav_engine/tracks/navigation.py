@@ -68,10 +68,6 @@ def spl_of(match: "MatchView", seats: Sequence[int]) -> float:
     The shortest way is that of the seat that has the shortest one, as with several equal targets in the field
     (Batra et al., "ObjectNav Revisited", 2020). It is compared with the way of the seat that reached the
     target; if several did in the same frame, with the shortest of theirs.
-
-    Args:
-        match: The match.
-        seats: Those of a team, or a single one.
     """
     agents = match.state.agents
     walked = [float(agents.walked[0, seat]) for seat in seats if agents.reached[0, seat]]

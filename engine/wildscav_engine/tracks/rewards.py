@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.simulation.state import Agents, Matches, State
+from wildscav_engine.simulation.state import Agents, Matches
 from wildscav_engine.simulation.systems.elimination import current_placement
 
 
@@ -94,14 +94,7 @@ class RewardSum:
     """A weighted sum of reward terms."""
 
     def __init__(self, weights: Mapping[str, float]) -> None:
-        """Choose terms and their weights.
-
-        Args:
-            weights: The weights by the names of ``REWARD_TERMS``.
-
-        Raises:
-            ValueError: There is no such term, or a weight is not a finite number.
-        """
+        """Choose terms of ``REWARD_TERMS`` and their weights; ValueError if one is invalid."""
         for name, weight in weights.items():
             if name not in REWARD_TERMS:
                 raise ValueError(f"there is no reward term {name!r}; the terms are {', '.join(REWARD_TERMS)}")
@@ -114,35 +107,6 @@ class RewardSum:
             np.array([term.change for term in terms], np.int64),
             np.array(list(self.weights.values()), np.float32),
         )
-
-    def terms(self, before: Facts, after: Facts) -> dict[str, Values]:
-        """Return the weighted value of each term.
-
-        Args:
-            before: (…, FACTS) facts before a step.
-            after: (…, FACTS) after it.
-
-        Returns:
-            Arrays (…) of float32 by the names of terms.
-        """
-        rows = after.reshape(-1, FACTS)
-        weighted = np.empty((len(rows), len(self.weights)), np.float32)
-        _write_all_terms(self.term_arrays, before.reshape(-1, FACTS), rows, weighted)
-        values = weighted.reshape(*after.shape[:-1], -1)
-        return {name: values[..., place] for place, name in enumerate(self.weights)}
-
-    def total(self, before: Facts, after: Facts) -> Values:
-        """Return (…) float32, the sum of all terms, added in the order in which they were named."""
-        total = np.zeros(after.shape[:-1], np.float32)
-        for values in self.terms(before, after).values():
-            total += values
-        return total
-
-
-@kernel
-def _write_all_terms(terms: TermArrays, before: Facts, after: Facts, values: Values) -> None:
-    for row in range(after.shape[0]):
-        write_terms(terms, before[row], after[row], values[row])
 
 
 @kernel
@@ -161,19 +125,9 @@ def write_terms(terms: TermArrays, before: Facts, after: Facts, values: Values) 
         values[term] = value * terms.weight[term] + np.float32(0.0)  # never minus zero
 
 
-def read_facts(state: State, facts: Facts) -> None:
-    """Write the facts about all agents of a batch.
-
-    Args:
-        state: The batch.
-        facts: (B, A, FACTS), written.
-    """
-    write_facts(state.agents, state.matches, facts)
-
-
 @kernel
 def write_facts(agents: Agents, matches: Matches, facts: Facts) -> None:
-    """Write the facts about all agents of a batch; see ``read_facts``."""
+    """Write (B, A, FACTS) the facts about all agents of a batch."""
     for match in range(facts.shape[0]):
         for seat in range(matches.seats[match]):
             row = facts[match, seat]

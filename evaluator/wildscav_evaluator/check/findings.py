@@ -35,12 +35,7 @@ class Finding:
 
 
 def judge_match(report: SeatReport, clock: Clock, limits: Limits, what: str) -> Iterator[Finding]:
-    """Yield what a match shows about an agent: its start, its actions and its timing.
-
-    Args:
-        clock: The clock that the match was played with.
-        what: The name of the match.
-    """
+    """Yield what a match shows about an agent: its start, its actions and its timing."""
     if report.start_up is not None:
         yield start_up(report.start_up, clock)
     if report.status != "finished":
@@ -54,11 +49,7 @@ def judge_match(report: SeatReport, clock: Clock, limits: Limits, what: str) -> 
 
 
 def packages(missing: Sequence[str]) -> Finding:
-    """Judge what a submission requires in a sandbox that installs nothing.
-
-    Args:
-        missing: The requirements that this machine's Python does not fulfil.
-    """
+    """Judge a submission's requirements that this machine's Python does not fulfil."""
     if not missing:
         seen = f"this machine has what {REQUIREMENTS} names; its sandbox installs nothing"
         return Finding("packages", Verdict.KEPT, seen)
@@ -120,11 +111,7 @@ def timing(report: SeatReport, clock: Clock) -> Finding:
 
 
 def process_exit(ending: Ending | None) -> Finding:
-    """Judge how an agent's process ended once its match was over.
-
-    Args:
-        ending: How it ended; None if it had to be stopped.
-    """
+    """Judge how an agent's process ended once its match was over; None if it had to be stopped."""
     check, advice = "end", "end the process with exit code 0 once MatchOver has arrived"
     if ending is None:
         seen = f"its process still ran {EXIT_TIME:g} s after the match, and was stopped"

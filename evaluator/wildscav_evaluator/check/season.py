@@ -38,11 +38,7 @@ class SeasonRules(BaseModel):
 
     @classmethod
     def of(cls, url: str) -> "SeasonRules":
-        """Ask a season.
-
-        Raises:
-            UserError: It does not answer, or is none.
-        """
+        """Ask a season; UserError if it does not answer, or is none."""
         if not url.startswith(("http://", "https://")):
             raise UserError(f"--season is {url!r}, must be an address such as https://season.example.org", 2)
         try:
@@ -59,11 +55,8 @@ class SeasonRules(BaseModel):
     def trials(self, submission: Submission, instead: str) -> dict[str, Trial]:
         """Return what to play on each track that the submission and the season have.
 
-        Args:
-            instead: The suite that is played where the season's own is hidden.
-
-        Raises:
-            UserError: They have none in common.
+        ``instead`` is the suite that is played where the season's own is hidden. UserError if they have no
+        track in common.
         """
         tracks = [one for one in self.tracks if one.name in submission.manifest.tracks]
         if not tracks:

@@ -57,9 +57,7 @@ class Trial(NamedTuple):
     def of(cls, suite: Suite, track: str, limits: Limits, seed: int | None = None) -> "Trial":
         """Draw a match of a suite.
 
-        Args:
-            limits: Those of agents on the track.
-            seed: Of the suite; None for a fresh one that nobody knows, on a map that no other match is on.
+        Without a seed, it is a fresh match that nobody knows, on a map that no other match is on.
         """
         drawn = secrets.randbits(63) if seed is None else seed
         specs = suite.matches(track, drawn)
@@ -129,51 +127,32 @@ def run_checks(
 ) -> Iterator[Finding]:
     """Yield the findings of a check, each as soon as it is known.
 
-    Args:
-        submission: The submission, which was loaded and so has valid files.
-        sandbox: The sandbox of the judge.
-        logs: The folder for the agent's output.
-        trials: What to play, by track; the first also with late answers, and to be cancelled.
-        clock: The clock of the judge; the server's default if None.
-        tell: Is told every second how many steps of which match have been played.
-
-    Raises:
-        WildscavError: The platform failed.
+    ``trials`` says what to play, by track; the first is also played with late answers, and cancelled.
+    ``tell`` is told every second how many steps of which match have been played. WildscavError if the
+    platform failed.
     """
     if lacks_packages(submission):
         yield findings.packages(missing_packages(submission))
     with asyncio.Runner() as runner:
-        yield from _run_all(submission, sandbox, logs, trials, clock, runner, tell)
-
-
-def _run_all(
-    submission: Submission,
-    sandbox: Sandbox,
-    logs: Path,
-    trials: Mapping[str, Trial],
-    given: Clock | None,
-    runner: asyncio.Runner,
-    tell: Tell,
-) -> Iterator[Finding]:
-    for number, (track, trial) in enumerate(trials.items()):
-        clock = given or Clock(longest=trial.limits.wall_clock)
-        seating, make = trial.seating(submission, logs / f"{track}.log"), partial(ShortMatch, STEPS)
-        begun = _telling(tell, f"match: {track}", STEPS)
-        played = runner.run(play_match(seating, sandbox=sandbox, clock=clock, make=make, on_start=begun))
-        seat, fitted = seating.seats[0], clock.fitted(trial.spec)
-        judged = list(findings.judge_match(played.seats[seat], fitted, trial.limits, f"match: {track}"))
-        judged.append(findings.output(seating.logs[0].stat().st_size, trial.limits))
-        yield from (one for one in judged if number == 0 or one.check != "start-up")
-        if played.seats[seat].status != "finished":
-            return  # an agent that cannot play a match fails the rest for the same reason
-        if number == 0:
-            yield findings.process_exit(played.endings.get(seat))
-    trial = next(iter(trials.values()))
-    clock = given or Clock(longest=trial.limits.wall_clock)
-    late = runner.run(_delay_replies(trial.seating(submission, logs / "late.log"), sandbox, tell))
-    yield findings.lateness(next(iter(late.seats.values())), trial.limits, clock)
-    cancelled = runner.run(_cancel_match(trial.seating(submission, logs / "cancelled.log"), sandbox))
-    yield findings.cancelled_match(cancelled, LEAVING_TIME)
+        for number, (track, trial) in enumerate(trials.items()):
+            used = clock or Clock(longest=trial.limits.wall_clock)
+            seating, make = trial.seating(submission, logs / f"{track}.log"), partial(ShortMatch, STEPS)
+            begun = _telling(tell, f"match: {track}", STEPS)
+            played = runner.run(play_match(seating, sandbox=sandbox, clock=used, make=make, on_start=begun))
+            seat, fitted = seating.seats[0], used.fitted(trial.spec)
+            judged = list(findings.judge_match(played.seats[seat], fitted, trial.limits, f"match: {track}"))
+            judged.append(findings.output(seating.logs[0].stat().st_size, trial.limits))
+            yield from (one for one in judged if number == 0 or one.check != "start-up")
+            if played.seats[seat].status != "finished":
+                return  # an agent that cannot play a match fails the rest for the same reason
+            if number == 0:
+                yield findings.process_exit(played.endings.get(seat))
+        trial = next(iter(trials.values()))
+        used = clock or Clock(longest=trial.limits.wall_clock)
+        late = runner.run(_delay_replies(trial.seating(submission, logs / "late.log"), sandbox, tell))
+        yield findings.lateness(next(iter(late.seats.values())), trial.limits, used)
+        cancelled = runner.run(_cancel_match(trial.seating(submission, logs / "cancelled.log"), sandbox))
+        yield findings.cancelled_match(cancelled, LEAVING_TIME)
 
 
 def _telling(tell: Tell, what: str, steps: int) -> Callable[[HostedMatch], None]:
@@ -216,9 +195,6 @@ class _DelayingSandbox:
 
     The proxy sits between the agent's socket and the match server. While it holds an answer back, the server
     plays the step without it, so the agent's next observation skips steps.
-
-    Args:
-        proxies: The stack that closes the proxies when it exits.
     """
 
     def __init__(self, sandbox: Sandbox, proxies: AsyncExitStack) -> None:

@@ -5,9 +5,9 @@ tracks may set them.
 """
 
 import statistics
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 from rich.text import Text
@@ -253,24 +253,20 @@ def sandbox_and_limits(sandbox: str, limits: Mapping[str, KeptLimits]) -> Iterat
         yield f"{sandbox}; each agent{where}: {words}"
 
 
+LIMITS: dict[str, Callable[[Any], str]] = {
+    "cpus": lambda cores: f"{cores:g} {'core' if cores == 1 else 'cores'}",
+    "memory": lambda size: f"{_size(size)} of memory",
+    "processes": lambda count: f"{count:,} processes",
+    "open_files": lambda count: f"{count:,} open files",
+    "tmp_size": lambda size: f"{_size(size)} in /tmp",
+    "output": lambda size: f"{_size(size)} of output",
+    "wall_clock": lambda seconds: f"matches of {seconds:,g} s at most",
+}
+
+
 def limits_in_words(limits: KeptLimits) -> str:
     """Return limits in one line, without those that the sandbox does not enforce."""
-    words = []
-    if limits.cpus is not None:
-        words.append(f"{limits.cpus:g} {'core' if limits.cpus == 1 else 'cores'}")
-    if limits.memory is not None:
-        words.append(f"{_size(limits.memory)} of memory")
-    if limits.processes is not None:
-        words.append(f"{limits.processes:,} processes")
-    if limits.open_files is not None:
-        words.append(f"{limits.open_files:,} open files")
-    if limits.tmp_size is not None:
-        words.append(f"{_size(limits.tmp_size)} in /tmp")
-    if limits.output is not None:
-        words.append(f"{_size(limits.output)} of output")
-    if limits.wall_clock is not None:
-        words.append(f"matches of {limits.wall_clock:,g} s at most")
-    return ", ".join(words)
+    return ", ".join(LIMITS[name](value) for name, value in limits if value is not None)
 
 
 def _size(count: int) -> str:
@@ -292,22 +288,13 @@ def evaluation_actions_note(evaluation: Evaluation) -> str | None:
 
 
 def evaluation_waits_note(evaluation: Evaluation, timings: Iterable[MatchTiming]) -> str | None:
-    """Return a line about a submission's waits for a processor; None if its banks paid for nothing of others.
-
-    Args:
-        evaluation: The evaluation of the submission on one track.
-    """
+    """Return a line about a submission's waits for a processor on a track; None if none were credited."""
     credited = [seat.credited or 0.0 for timing in timings for seat in timing.seats]
     return waits_note(f"{evaluation.submission} on {evaluation.track}", credited)
 
 
 def waits_note(who: str, credited: Sequence[float]) -> str | None:
-    """Return a line about the waits for a processor that were credited; None if none were.
-
-    Args:
-        who: The name of the agent.
-        credited: For each match and seat, s.
-    """
+    """Return a line about the waits for a processor that were credited to some seats, s; None without any."""
     if not any(credited):
         return None
     return (
@@ -317,13 +304,7 @@ def waits_note(who: str, credited: Sequence[float]) -> str | None:
 
 
 def invalid_actions_note(who: str, *, actions: int, invalid: int) -> str | None:
-    """Return a line about an agent's invalid actions, or None if there were none.
-
-    Args:
-        who: The name of the agent.
-        actions: How many actions it sent in time.
-        invalid: How many of them had a number out of its range.
-    """
+    """Return a line about an agent's actions of which a number was out of its range; None without any."""
     if not invalid:
         return None
     return (

@@ -11,11 +11,7 @@ PARTS = ("name", "at_once", "nodes", "examine", "choose_sandbox", "players", "ma
 
 
 def check_executor(name: str, kind: Any) -> type[Executor]:
-    """Return the class of an executor that an entry point names.
-
-    Raises:
-        ValueError: It is not the class of an executor of that name.
-    """
+    """Return the class of an executor that an entry point names; ValueError if it is none of that name."""
     missing = [part for part in PARTS if not hasattr(kind, part)]
     if missing or not isinstance(kind, type):
         raise ValueError(f"it is no class of an executor: it has no {', '.join(missing) or 'objects'}")

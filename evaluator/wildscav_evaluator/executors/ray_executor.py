@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import islice
 from typing import Any, Self, cast
 
 from wildscav.errors import describe
@@ -71,11 +72,7 @@ class RayExecutor:
         return max(1, min(cores, self._at_once or EVERYTHING))
 
     def examine(self, sandboxes: Sequence[str], images: Sequence[str] = ()) -> tuple[Examined, ...]:
-        """Try sandboxes on all nodes, and return what was found on each.
-
-        Raises:
-            ExecutorError: The cluster was lost.
-        """
+        """Try sandboxes on all nodes, and return what was found on each."""
         (found,) = self._request(Examine(tuple(sandboxes), tuple(images)))
         return cast("tuple[Examined, ...]", found)
 
@@ -85,9 +82,6 @@ class RayExecutor:
         """Try sandboxes on all nodes; by default, use the one that works on most cores. See ``Executor``.
 
         Agents run as plain processes only if that is asked for.
-
-        Raises:
-            SandboxError: No node can run agents in the sandbox.
         """
         images = [one for one in submissions if one.image is not None or lacks_packages(one)]
         names = [asked] if asked else [name for name in SANDBOXES.built_in if SANDBOXES[name].isolated]
@@ -111,13 +105,13 @@ class RayExecutor:
         self,
         jobs: Sequence[Job],
         lock: Lock | None = None,  # noqa: ARG002 - only this process writes to the folder
-    ) -> Iterator["RayPlayers"]:
+    ) -> Iterator[Self]:
         """Bring the submissions to the cluster, and compile the engine there. See ``Executor``."""
         if not self._nodes:
             self.choose_sandbox(jobs[0].sandbox, [one for job in jobs for one in job.submissions])
         for _ in self._request(Prepare(tuple(jobs), self._at_once or EVERYTHING)):
             pass
-        yield RayPlayers(self)
+        yield self
 
     def map(self, function: Callable[[Item], Value], items: Iterable[Item]) -> Iterator[Value]:
         """Call a function on the nodes, one core for each call. See ``Executor``."""
@@ -127,7 +121,7 @@ class RayExecutor:
         values: dict[int, Value] = {}
         following = 0
         request = Call(function, self._at_once or EVERYTHING)
-        for message in self._request(request, lambda _: tuple(_next(iterator))):
+        for message in self._request(request, lambda _: tuple(islice(iterator, 1))):
             returned = cast("Returned", message)
             values[returned.number] = returned.value
             while following in values:
@@ -147,8 +141,13 @@ class RayExecutor:
             raise RuntimeError("the executor is not entered")
         return self._bridge.request(request, answer)
 
-    def play(self, jobs: Sequence[Job], on_start: OnStart, on_event: OnEvent) -> Iterator[JobResult]:
-        """Play the jobs that were prepared. See ``Players.run``."""
+    def run(
+        self,
+        jobs: Sequence[Job],
+        on_start: OnStart = lambda _: None,
+        on_event: OnEvent = lambda _job, _event: None,
+    ) -> Iterator[JobResult]:
+        """Play the jobs that the cluster was made ready for. See ``Players``."""
         mine = list(jobs)
 
         def start(question: Question) -> Mapping[str, bytes] | None:
@@ -165,22 +164,6 @@ class RayExecutor:
                 on_event(job, message.event)
             elif isinstance(message, MatchEnded):
                 yield saved(mine[message.number], message.played)
-
-
-class RayPlayers:
-    """Plays the matches for which an executor made its cluster ready. See ``Players``."""
-
-    def __init__(self, executor: RayExecutor) -> None:
-        self._executor = executor
-
-    def run(
-        self,
-        jobs: Sequence[Job],
-        on_start: OnStart = lambda _: None,
-        on_event: OnEvent = lambda _job, _event: None,
-    ) -> Iterator[JobResult]:
-        """Play the jobs that the cluster was made ready for. See ``Players``."""
-        return self._executor.play(jobs, on_start, on_event)
 
 
 def files_of_earlier_run(job: Job) -> dict[str, bytes]:
@@ -208,13 +191,6 @@ def saved(job: Job, played: Played) -> JobResult:
         row = played.row.model_copy(update={"replay": None})
         return replace(result, row=row, replay_error=f"no replay {replay}: {error.strerror or error}")
     return result
-
-
-def _next(items: Iterator[Item]) -> Iterator[Item]:
-    """Yield the next item, if there is one."""
-    for item in items:
-        yield item
-        return
 
 
 def _no_sandbox(examined: Sequence[Examined], names: Sequence[str]) -> str:

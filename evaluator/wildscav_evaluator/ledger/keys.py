@@ -50,12 +50,8 @@ class SigningKey:
 def new_key(path: Path, passphrase: str | None = None) -> SigningKey:
     """Make a key and write its private half to a new file that only its owner may read.
 
-    Args:
-        path: The file; an existing one is never overwritten.
-        passphrase: The passphrase that encrypts the file; None to leave it unencrypted.
-
-    Raises:
-        UserError: The file exists, or cannot be written, or the passphrase cannot be used.
+    Without a passphrase, it is not encrypted. UserError if the file exists or cannot be written, or the
+    passphrase cannot be used.
     """
     key = Ed25519PrivateKey.generate()
     encryption: KeySerializationEncryption = NoEncryption()
@@ -81,13 +77,9 @@ def new_key(path: Path, passphrase: str | None = None) -> SigningKey:
 
 
 def read_key(path: Path, passphrase: Callable[[], str]) -> SigningKey:
-    """Read the private half of a key.
+    """Read the private half of a key; ``passphrase`` is called if it is encrypted.
 
-    Args:
-        passphrase: Called for the passphrase if the file is encrypted.
-
-    Raises:
-        UserError: The file cannot be read, can be read by others, or holds no Ed25519 key.
+    UserError if the file cannot be read, can be read by others, or holds no Ed25519 key.
     """
     content = _content(path, "key")
     if stat.S_IMODE(path.stat().st_mode) & 0o077:
@@ -111,14 +103,7 @@ def _private(content: bytes, passphrase: bytes | None) -> object:
 
 
 def read_public(text: str) -> str:
-    """Return a public key, 64 hexadecimal digits.
-
-    Args:
-        text: Those digits, or the name of a file that holds them or the key in PEM.
-
-    Raises:
-        UserError: It is none of these.
-    """
+    """Return a public key, 64 hexadecimal digits: from these, or a file that holds them or the key in PEM."""
     if PUBLIC.fullmatch(text.lower()):
         return _checked(text.lower(), text)
     content = _content(Path(text), "public key")
@@ -167,12 +152,7 @@ def _digits(key: Ed25519PublicKey) -> str:
 
 
 def is_signed(content: bytes, signature: str, public: str) -> bool:
-    """Return whether a signature of some bytes was made with a key.
-
-    Args:
-        signature: 128 hexadecimal digits; any other text is not a valid signature.
-        public: The public key, 64 hexadecimal digits; with any other text no signature is valid.
-    """
+    """Return whether a signature of some bytes, 128 hexadecimal digits, was made with a key, 64 of them."""
     try:
         Ed25519PublicKey.from_public_bytes(bytes.fromhex(public)).verify(bytes.fromhex(signature), content)
     except (InvalidSignature, ValueError):

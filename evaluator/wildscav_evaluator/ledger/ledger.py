@@ -90,8 +90,7 @@ class Ledger:
 def read_ledger(out: Path) -> Ledger | None:
     """Read the ledger of an output folder; return None if it has none.
 
-    Raises:
-        LedgerError: It cannot be read, or it was changed; the message names the first line that shows this.
+    LedgerError if it cannot be read, or was changed; the message names the first line that shows this.
     """
     path = out / LEDGER_FILE
     try:
@@ -106,12 +105,7 @@ def read_ledger(out: Path) -> Ledger | None:
 
 
 def read_lines(path: Path) -> bytes:
-    """Return the content of a ledger's file, after checking that its entries fit into memory.
-
-    Raises:
-        LedgerError: The entries take too much time or memory.
-        OSError: It cannot be read.
-    """
+    """Return the content of a ledger's file; LedgerError if its entries take too much time or memory."""
     try:
         return read_after_trial(path, f"{__name__}:try_entries")
     except FileModelError as error:
@@ -119,11 +113,7 @@ def read_lines(path: Path) -> bytes:
 
 
 def parse_ledger(path: Path, content: bytes) -> Ledger:
-    """Parse the content of a ledger's file, which ends with a line break.
-
-    Raises:
-        LedgerError: It is not a valid ledger.
-    """
+    """Parse the content of a ledger's file, which ends with a line break; LedgerError if it is not valid."""
     entries: list[Entry] = []
     previous: str | None = None
     for number, line in enumerate(_lines(content)):
@@ -146,12 +136,7 @@ def parse_ledger(path: Path, content: bytes) -> Ledger:
 
 
 def try_entries(path: str) -> None:
-    """Read all entries of a file in the calling process.
-
-    Raises:
-        LedgerError: A line is not a valid entry.
-        OSError: It cannot be read.
-    """
+    """Read all entries of a file in the calling process; LedgerError if a line is none."""
     content = read_limited(Path(path), LARGEST)
     whole = content[: content.rfind(b"\n") + 1]  # a writer that was killed left half a line
     kept = [_entry(line, number, "") for number, line in enumerate(_lines(whole))]
@@ -179,11 +164,7 @@ def _check_signature(path: Path, entry: Entry, key: str | None) -> None:
 
 
 def check_key(ledger: Ledger | None, key: str, out: Path) -> None:
-    """Check that a ledger is signed with the expected key.
-
-    Raises:
-        LedgerError: It is not.
-    """
+    """Check that a ledger is signed with the expected key; LedgerError if it is not."""
     if ledger is None:
         raise LedgerError(f"there is no {out / LEDGER_FILE}: nothing there is signed")
     if ledger.key is None:
@@ -193,9 +174,5 @@ def check_key(ledger: Ledger | None, key: str, out: Path) -> None:
 
 
 def sha256_of(path: Path) -> str:
-    """Return the SHA-256 of a file, as ``sha256sum`` prints it.
-
-    Raises:
-        OSError: It cannot be read, or is larger than any file of an evaluation.
-    """
+    """Return the SHA-256 of a file; OSError if it is larger than any file of an evaluation."""
     return sha256(read_limited(path, FILE_LIMIT)).hexdigest()

@@ -34,15 +34,8 @@ class LedgerWriter:
     """Appends to the ledger of an evaluation. Its creator must hold the lock of the output folder.
 
     Each entry is flushed to disk before anything else happens. Half an entry at the end of an existing ledger
-    was left by a writer that was killed; it is cut off.
-
-    Args:
-        key: The key that signs the entries; None to leave them unsigned.
-
-    Raises:
-        UserError: There is a ledger that was changed or belongs to another evaluation, or there are records
-            without a ledger.
-        OSError: It cannot be read or written.
+    was left by a writer that was killed; it is cut off. UserError if it was changed or belongs to another
+    evaluation, or if there are records without a ledger.
     """
 
     def __init__(self, out: Path, identity: Identity, key: SigningKey | None) -> None:
@@ -86,11 +79,7 @@ class LedgerWriter:
     def kept(self, jobs: Sequence[Job]) -> list[JobResult]:
         """Return the results of the jobs that earlier runs played, after checking each against its record.
 
-        Args:
-            jobs: All jobs of the evaluation.
-
-        Raises:
-            UserError: A match, its record or its entry was changed.
+        UserError if a match, its record or its entry was changed.
         """
         if unknown := self.played.keys() - {job.stem for job in jobs}:
             raise _changed(f"{self._path} has the match {min(unknown)}, which is not of this evaluation")
@@ -108,7 +97,7 @@ class LedgerWriter:
 
     def end(self, result: JobResult) -> None:
         """Enter how a match ended."""
-        job, row = result.job, _row(result)
+        job, row = result.job, result.row.model_copy(update={"replay": None})
         if job.stem in self.played:
             return
         record = None if row.record is None else sha256_of(job.out / row.record)
@@ -121,7 +110,11 @@ class LedgerWriter:
 
     def close(self, results: Results, path: Path) -> None:
         """Enter the results of the evaluation, unless the last entry has the same results."""
-        closed = Closed(results=sha256_of(path), scores=tuple(_scores(results)))
+        scores = tuple(
+            Score.about(one, metric=one.metrics[0].name, summary=one.score, matches=len(one.matches))
+            for one in results.evaluations
+        )
+        closed = Closed(results=sha256_of(path), scores=scores)
         if closed != self._closed:
             self._append(closed)
             self._closed = closed
@@ -166,17 +159,6 @@ def _kept(job: Job, ended: MatchEnded) -> JobResult:
     if job.replay and (job.out / job.replay_path).exists():
         row = row.model_copy(update={"replay": job.replay_path})
     return JobResult(job, row, ended.timing)
-
-
-def _row(result: JobResult) -> MatchRow:
-    return result.row.model_copy(update={"replay": None})
-
-
-def _scores(results: Results) -> list[Score]:
-    return [
-        Score.about(one, metric=one.metrics[0].name, summary=one.score, matches=len(one.matches))
-        for one in results.evaluations
-    ]
 
 
 def _changed(why: str) -> UserError:

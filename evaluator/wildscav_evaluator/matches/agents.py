@@ -22,8 +22,7 @@ METER_TRIES = 40  # to find the processes of a container, which start a moment l
 class AgentSpending:
     """What one agent spends on thinking. See ``wildscav_server.thinking.Spending``.
 
-    Args:
-        tokens: Returns how many tokens its model has written so far.
+    ``tokens`` returns how many its model has written so far.
     """
 
     def __init__(self, tokens: Callable[[], int] = lambda: 0) -> None:
@@ -44,11 +43,7 @@ class AgentSpending:
 
 
 def process_time(process: int) -> float:
-    """Return how long the threads of a process have run, s, without its children.
-
-    Raises:
-        OSError: It has ended, or the system does not say so.
-    """
+    """Return how long the threads of a process have run, s, without its children; OSError if it has ended."""
     return time.clock_gettime((~process << 3) | 2)  # as clock_getcpuclockid(3) numbers its clock
 
 
@@ -69,13 +64,7 @@ class MatchAgents:
 
     @asynccontextmanager
     async def started(self, launches: Mapping[int, Launch]) -> AsyncIterator[None]:
-        """Start agents, by seat, with their model and behind their bridge, for as long as the block lasts.
-
-        Raises:
-            BridgeError: The bridge failed.
-            OSError: A process could not be started.
-            SandboxError: An agent cannot be started.
-        """
+        """Start agents, by seat, with their model and behind their bridge, for as long as the block lasts."""
         if self.model is not None:
             launches = {
                 seat: replace(launch, model=self.model.address(seat)) for seat, launch in launches.items()
@@ -86,11 +75,7 @@ class MatchAgents:
             yield
 
     async def start(self, seat: int, launch: Launch) -> None:
-        """Start the agent of a seat, and watch its process.
-
-        Raises:
-            SandboxError: It cannot be started.
-        """
+        """Start the agent of a seat, and watch its process; SandboxError if it cannot be started."""
         agent = await self._sandbox.start(launch)
         self._running[seat] = agent
         self._watchers[seat] = asyncio.create_task(self._watch(seat, agent))

@@ -170,9 +170,6 @@ def cores_of(job: Job, largest_node: int) -> int:
 
     The server needs none besides, since it computes while all agents wait for it. A match with more agents
     than any node has cores gets a whole node.
-
-    Args:
-        largest_node: Cores of the node with the most cores.
     """
     wanted = math.ceil(len(job.seats) * job.limits.cpus)
     return max(1, min(wanted, largest_node))

@@ -7,7 +7,7 @@ platform's fault.
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator, Sequence
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -101,23 +101,18 @@ async def play_match(
     faults: Sequence[str] = (),
     on_failure: Callable[[str], None] = lambda _: None,
 ) -> PlayedMatch:
-    """Play one match, and play it again from its start if the platform broke it. See ``play_once``.
+    """Play one match, and play it again from its start if the platform broke it.
 
-    Args:
-        clock: The agents' time limits; the usual ones within the seating's limits if None.
-        on_start: Called with the match whenever it is hosted.
-        make: Makes the match from its spec, for each attempt; an ordinary match if None.
-        faults: What broke earlier attempts, one line each; they count as attempts.
-        on_failure: Called with what broke an attempt, before the match is played again.
+    Without a clock, it is the usual one within the seating's limits. ``make`` makes the match from its spec
+    if it is not an ordinary one, and ``on_start`` is called with it whenever it is hosted. ``faults`` are
+    what broke earlier attempts, which count, too; ``on_failure`` is called with what broke another one.
 
-    Raises:
-        MatchSetupError: The match's spec cannot be played.
-        PlatformFaultError: The platform broke every attempt.
+    MatchSetupError if the spec cannot be played; PlatformFaultError if the platform broke every attempt.
     """
     faults = list(faults)
     while True:
         try:
-            played = await play_once(seating, sandbox=sandbox, clock=clock, on_start=on_start, make=make)
+            played = await _play_once(agents_at_play(seating, sandbox, clock, on_start, make))
             return replace(played, platform_faults=tuple(faults))
         except Exception as error:
             # Whether a sandbox works here at all was tried before the match.
@@ -142,27 +137,14 @@ def _in_a_line(error: Exception) -> str:
     return str(error) if isinstance(error, WildscavError) else f"{type(error).__name__}: {error}"
 
 
-async def play_once(
-    seating: MatchAssignment,
-    *,
-    sandbox: Sandbox = SANDBOXES["process"],
-    clock: Clock | None = None,
-    on_start: Callable[[HostedMatch], None] | None = None,
-    make: Callable[[MatchSpec], Match] | None = None,
+async def _play_once(
+    match: AbstractAsyncContextManager[tuple[HostedMatch, MatchAgents]],
 ) -> PlayedMatch:
-    """Play one match from the start of its agents to the end of the last of them.
+    """Play one match from the start of its agents to the end of the last of them. See ``agents_at_play``.
 
-    Args:
-        clock: The agents' time limits; the usual ones within the seating's limits if None.
-        on_start: Called with the match once it is hosted.
-        make: Makes the match from its spec; an ordinary match if None.
-
-    Raises:
-        MatchSetupError: The match's spec cannot be played.
-        OSError: An agent's process could not be started.
-        PlatformFaultError: A sandbox failed under an agent.
+    OSError if an agent's process could not be started; PlatformFaultError if a sandbox failed under an agent.
     """
-    async with agents_at_play(seating, sandbox, clock, on_start, make) as (hosted, agents):
+    async with match as (hosted, agents):
         stall = asyncio.create_task(_watch_for_stall())
         try:
             outcome = await _outcome(hosted, agents)
@@ -183,7 +165,7 @@ async def agents_at_play(
     on_start: Callable[[HostedMatch], None] | None = None,
     make: Callable[[MatchSpec], Match] | None = None,
 ) -> AsyncIterator[tuple[HostedMatch, MatchAgents]]:
-    """Host a match and start its agents; cancel and stop them in the end. See ``play_once``."""
+    """Host a match and start its agents; cancel and stop them in the end. See ``play_match``."""
     async with _sockets(seating) as (folders, model):
         server = MatchServer(endpoint_settings=SEAT_ENDPOINT)
         # Each seat has its own socket: its sandbox passes on no other, and no other token works there.
@@ -279,8 +261,7 @@ async def _outcome(hosted: HostedMatch, agents: MatchAgents) -> MatchOutcome:
 def _explained(outcome: MatchOutcome, agents: MatchAgents) -> dict[int, SeatReport]:
     """Return the reports on all seats, with the causes that the agents' processes show.
 
-    Raises:
-        PlatformFaultError: A seat was empty because its sandbox failed, or had no answer of its model.
+    PlatformFaultError if a seat was empty because its sandbox failed, or had no answer of its model.
     """
     if agents.model is not None and agents.model.fault:
         raise PlatformFaultError(agents.model.fault)
@@ -322,11 +303,7 @@ def socket_folders(count: int) -> Iterator[list[Path]]:
 
 
 def prepare_logs(logs: Sequence[Path]) -> None:
-    """Create the logs, or empty those that exist.
-
-    Raises:
-        OSError: One cannot be written.
-    """
+    """Create the logs, or empty those that exist."""
     for log in logs:
         log.parent.mkdir(parents=True, exist_ok=True)
         log.write_bytes(b"")

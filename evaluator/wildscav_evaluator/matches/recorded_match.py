@@ -42,9 +42,6 @@ class RecordedMatch(Match):
 
     So every agent observes at each step exactly what it observed in the recorded match, even after it has
     acted differently.
-
-    Args:
-        seats: The seats whose actions to compare.
     """
 
     def __init__(self, record: Record, seats: Sequence[int]) -> None:
@@ -55,11 +52,7 @@ class RecordedMatch(Match):
         self.diverged_at: int | None = None  # the first step, from 1, with another state than recorded
 
     def step(self, actions: ArrayLike | None = None) -> None:
-        """Compare actions with the recorded ones, and play the recorded ones.
-
-        Args:
-            actions: (A, FIELDS), the agents' new actions; None if no agent acts.
-        """
+        """Compare the agents' new actions, (A, FIELDS), with the recorded ones, which are played."""
         number = self.step_number
         if self.over or number >= self._record.steps:
             super().step()

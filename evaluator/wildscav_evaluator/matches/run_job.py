@@ -44,27 +44,20 @@ def run_job(
 ) -> JobResult:
     """Play a job's match, unless it was played before, and write its files.
 
-    Every error becomes the result of this job, so that the other jobs go on.
-
-    Args:
-        runner: The runner of the event loop to play in.
-        on_event: Called regularly with the match's progress, when it is played again, and when the rendering
-            of its replay begins.
+    Every error becomes the result of this job, so that the other jobs go on. ``on_event`` hears of the
+    match's progress, of another attempt, and when the rendering of its replay begins.
     """
     result = _play(runner, job, on_event) if job.kept is None else JobResult(job, *job.kept)
     if not result.to_render:
         return result
     on_event(RenderingReplay(KeptMatch(result.row, result.timing)))
-    return _rendered(result)
+    error = _render(job)
+    row = result.row if error else result.row.model_copy(update={"replay": job.replay_path})
+    return replace(result, row=row, replay_error=error)
 
 
 def after_worker_death(job: Job, reason: str) -> Job | JobResult:
-    """Return the job to run again after its worker died, or its result if there were too many attempts.
-
-    Args:
-        job: The job, with the faults of earlier attempts.
-        reason: How the worker ended, in one line.
-    """
+    """Return the job to run again after its worker died, or its result if there were too many attempts."""
     faults = (*job.faults, reason)
     if len(faults) < MAX_ATTEMPTS:
         return replace(job, faults=faults)
@@ -180,13 +173,6 @@ def failed(job: Job, reason: str) -> JobResult:
     return JobResult(job, MatchRow(index=job.index, status=FAILED, fault="platform", detail=reason))
 
 
-def _rendered(result: JobResult) -> JobResult:
-    """Return a result after rendering its replay, with the replay's path or the error."""
-    error = _render(result.job)
-    row = result.row if error else result.row.model_copy(update={"replay": result.job.replay_path})
-    return replace(result, row=row, replay_error=error)
-
-
 def _render(job: Job) -> str:
     """Render the replay from the record; return the error, or an empty text."""
     from wildscav_engine.view import write_replay
@@ -226,9 +212,8 @@ def seat_row(job: Job, played: PlayedMatch, seat: int) -> SeatRow:
 def match_timing(job: Job, played: PlayedMatch, started: float, wall: float) -> MatchTiming:
     """Return how long a match took, as an entry of the results file.
 
-    Args:
-        started: When it started, in seconds since 1970, UTC.
-        wall: How long it took, s, including the start of the agents and writing the record.
+    It ``started`` in seconds since 1970, UTC. ``wall`` includes the start of the agents and writing the
+    record, s.
     """
     return MatchTiming(
         submission=job.evaluated,

@@ -76,11 +76,7 @@ class Snapshot(NamedTuple):
 
 
 class Happenings:
-    """What happens in a match, step by step.
-
-    Args:
-        match: The match, at its start.
-    """
+    """What happens in a match, step by step from its start."""
 
     def __init__(self, match: Match) -> None:
         agents = match.state.agents

@@ -22,11 +22,7 @@ class ProgressTimeouts:
     rendering: float = 300.0  # for the replay, in addition to the game time that it shows
 
     def with_job(self, job: Job, event: JobEvent | None) -> tuple[float, str]:
-        """Return how long a job may make no progress, s, and a description of its phase.
-
-        Args:
-            event: Its last event; None if there was none.
-        """
+        """Return how long a job may make no progress after an event, s, and a description of its phase."""
         if isinstance(event, RenderingReplay):
             return self.rendering + job.spec.time_limit, "while it rendered the replay"
         if isinstance(event, Heartbeat) and event.steps:
@@ -53,9 +49,8 @@ class Watchdog:
     def wait(self, seconds: float) -> None:
         """Note that some time has passed; call this before noting the events of that time.
 
-        Args:
-            seconds: How long. If it is far longer than a check takes, the watchdog itself was stopped (by
-                Ctrl-Z, say), most likely together with the worker, so the excess does not count.
+        If it is far longer than a check takes, the watchdog itself was stopped (by Ctrl-Z, say), most likely
+        together with the worker, so the excess does not count.
         """
         self._still += min(seconds, 2.0 * CHECK_INTERVAL)
 

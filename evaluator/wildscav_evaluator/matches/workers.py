@@ -42,11 +42,7 @@ class WorkerDiedError(Exception):
 
 
 class Worker:
-    """A worker process, and the job that it is running.
-
-    Args:
-        lock: The lock of the folder that it writes to.
-    """
+    """A worker process, which holds the lock of the folder that it writes to, and the job that it runs."""
 
     def __init__(self, lock: Lock | None, timeouts: ProgressTimeouts) -> None:
         self.process, self.connection = start_worker(_work, lock)
@@ -57,11 +53,7 @@ class Worker:
         self.rendered = 0  # replays so far
 
     def precompile(self, sensors: Iterable[Wanted]) -> None:
-        """Compile the engine in this process, or load it from the cache.
-
-        Raises:
-            WorkerDiedError: It could not be compiled.
-        """
+        """Compile the engine in that process, or load it from the cache; WorkerDiedError if that fails."""
         try:
             self.connection.send(Precompiling(tuple(sensors)))
             if not self.connection.poll(COMPILE_TIME):
@@ -92,7 +84,9 @@ class Worker:
             event = cast(JobEvent | JobResult, self.connection.recv()) if self.connection.poll() else None
         except (EOFError, OSError):
             self.end(STOP_TIME)
-            return after_worker_death(job, f"the worker process died ({self._how_it_ended()})")
+            code = self.process.exitcode or 0
+            how = signal_name(-code) if code < 0 else f"exit code {code}"
+            return after_worker_death(job, f"the worker process died ({how})")
         if isinstance(event, JobResult):
             self.rendered += event.row.replay is not None
             return event
@@ -107,16 +101,8 @@ class Worker:
             self.job = replace(job, kept=event.kept)
         return event
 
-    def _how_it_ended(self) -> str:
-        code = self.process.exitcode or 0
-        return signal_name(-code) if code < 0 else f"exit code {code}"
-
     def end(self, grace: float = 0.0) -> None:
-        """Kill the process if it is still running, and remove what it may have left behind.
-
-        Args:
-            grace: How long it may take to end by itself, s.
-        """
+        """Kill the process if it still runs after some grace, s, and remove what it may have left behind."""
         self.dead = True
         self.connection.close()
         self.process.join(grace)
@@ -129,8 +115,7 @@ class Worker:
 class Workers:
     """A group of workers that share the jobs, as a context manager that stops all of them when it exits.
 
-    Args:
-        lock: The lock of the folder that they write to; each worker holds it as long as it lives.
+    Each worker holds the lock of the folder that they write to as long as it lives.
     """
 
     def __init__(
@@ -152,14 +137,7 @@ class Workers:
             worker.end(max(0.0, until - time.monotonic()))
 
     def precompile(self, sensors: Iterable[Wanted] = ()) -> None:
-        """Compile the engine once, in the first worker, so that the others load it from the cache.
-
-        Args:
-            sensors: The sensors that will be read in matches, for each submission.
-
-        Raises:
-            WorkerDiedError: It could not be compiled.
-        """
+        """Compile the engine once, in the first worker, so that the others load it from the cache."""
         self._start().precompile(sensors)
 
     def run(
@@ -168,15 +146,7 @@ class Workers:
         on_start: Callable[[Job], bool | None] = lambda _: None,
         on_event: Callable[[Job, JobEvent], None] = lambda _job, _event: None,
     ) -> Iterator[JobResult]:
-        """Run all jobs and yield their results as they arrive.
-
-        If a worker dies or hangs, another one plays its match from the start, up to ``MAX_ATTEMPTS`` in all.
-
-        Args:
-            jobs: The jobs, in the order in which to start them.
-            on_start: Called with every job when it is started, or started again; False leaves it out.
-            on_event: Called with the progress of each match, and with what broke an attempt.
-        """
+        """Run all jobs and yield their results as they arrive. See ``Players.run``."""
         waiting = deque(jobs)
         while len(self._workers) < min(self._count, len(waiting)):
             self._start()
@@ -236,10 +206,7 @@ def _next_job(
 def _work(connection: Connection, parent: int, _lock: Lock | None) -> None:
     """Handle messages until the connection is closed. Runs in the worker's process.
 
-    Args:
-        connection: The connection that delivers jobs and takes results.
-        parent: The process that started this one.
-        _lock: The folder's lock, which this process holds until it ends in any way.
+    The process holds the folder's lock until it ends in any way.
     """
     become_worker(parent)
     with asyncio.Runner() as runner, contextlib.suppress(EOFError, OSError):

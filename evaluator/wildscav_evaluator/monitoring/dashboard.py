@@ -21,12 +21,7 @@ NUMBER_COLUMNS = 31  # columns that the numbers of a narrow line take
 
 
 def dashboard(tally: Tally, title: str, width: int = WIDE) -> RenderableType:
-    """Return the dashboard as it is now.
-
-    Args:
-        title: A short description of what is evaluated.
-        width: Columns of the terminal. A narrow one gets no bars and no intervals.
-    """
+    """Return the dashboard as it is now; a narrow terminal gets no bars and no intervals."""
     wide = width >= WIDE
     name = NAME if wide else max(6, min(NAME, width - NUMBER_COLUMNS))
     return Group(

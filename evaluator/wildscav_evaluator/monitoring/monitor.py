@@ -26,11 +26,7 @@ EVERY = 30.0  # s between lines if the output is not a terminal
 
 
 class EvaluationMetrics(Collector):
-    """The metrics of one evaluation.
-
-    Args:
-        tally: The tally from which the metrics are read.
-    """
+    """The metrics of one evaluation, which are read from its tally."""
 
     def __init__(self, tally: Tally) -> None:
         self._tally = tally
@@ -39,7 +35,10 @@ class EvaluationMetrics(Collector):
         """Yield every metric with its current value."""
         done = tuple(self._tally.done.values())
         yield from self._matches(done)
-        yield from self._queue()
+        yield GaugeMetricFamily("wildscav_matches_running", "Matches being played.", len(self._tally.running))
+        yield GaugeMetricFamily(
+            "wildscav_matches_waiting", "Matches that have not begun.", self._tally.waiting
+        )
         yield from _steps(done)
         yield from self._nodes()
         yield GaugeMetricFamily(
@@ -66,12 +65,6 @@ class EvaluationMetrics(Collector):
             "wildscav_platform_retries",
             "Matches played again because the platform broke them.",
             self._tally.broken,
-        )
-
-    def _queue(self) -> Iterator[Metric]:
-        yield GaugeMetricFamily("wildscav_matches_running", "Matches being played.", len(self._tally.running))
-        yield GaugeMetricFamily(
-            "wildscav_matches_waiting", "Matches that have not begun.", self._tally.waiting
         )
 
     def _nodes(self) -> Iterator[Metric]:
@@ -120,12 +113,7 @@ def _steps(done: tuple[JobResult, ...]) -> Iterator[Metric]:
 
 
 class EvaluationProgress:
-    """Shows the progress that a tally counts.
-
-    Args:
-        title: A short description of what is evaluated.
-        quiet: Whether to show only failures.
-    """
+    """Shows the progress that a tally counts; if it is to be quiet, only failures."""
 
     def __init__(self, console: Console, tally: Tally, title: str = "", *, quiet: bool = False) -> None:
         self._console, self._tally, self._quiet = console, tally, quiet
@@ -195,12 +183,7 @@ class MonitorOptions:
 
 
 class Monitor:
-    """Passes the events of an evaluation on to dashboard, log and metrics.
-
-    Args:
-        title: A short description of what is evaluated.
-        nodes: Returns the machines of the cluster that plays them, if there is one.
-    """
+    """Passes the events of an evaluation on to dashboard, log and metrics; ``nodes`` are of a cluster."""
 
     def __init__(
         self,

@@ -1,7 +1,7 @@
 """The state of an evaluation: matches waiting, running, done and failed, scores so far, and the time left."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from wildscav_engine.specs.match_spec import SUBMISSION
@@ -55,12 +55,7 @@ class RunningMatch:
 
 
 class Tally:
-    """Counts the states and results of jobs.
-
-    Args:
-        clock: Returns seconds since any fixed moment.
-        nodes: Returns the machines of the cluster that plays them, if there is one.
-    """
+    """Counts the states and results of jobs, by a clock in seconds; ``nodes`` are of the cluster, if any."""
 
     def __init__(
         self,
@@ -164,7 +159,8 @@ class Tally:
         A match is expected to take as long as the others of its track did or, if none of them is done yet, as
         long per second of game time and agent as the matches of other tracks did.
         """
-        walls = list(self._walls())
+        done = tuple(self.done.values())  # copied, because another thread may read the metrics
+        walls = [(result.job, result.timing.wall) for result in done if result.timing is not None]
         if not walls:
             return None
         rate = sum(wall for _, wall in walls) / sum(_work(job) for job, _ in walls)
@@ -181,11 +177,6 @@ class Tally:
             left += expected if running is None else max(0.0, expected - (self.clock() - running.since))
         at_once = max(1, min(self.at_once, len(self.jobs) - len(self.done)))
         return left / at_once
-
-    def _walls(self) -> Iterator[tuple[Job, float]]:
-        for result in tuple(self.done.values()):  # copied, because another thread may read the metrics
-            if result.timing is not None:
-                yield result.job, result.timing.wall
 
 
 def _work(job: Job) -> float:

@@ -35,12 +35,8 @@ PARTS = (".*.part", *(f"{folder}/.*.part" for folder in (*FOLDERS, JOURNAL)))
 def output_folder(out: Path, identity: Identity, *, fresh: bool = False) -> Iterator[Lock]:
     """Make an output folder, check that it belongs to this evaluation, and lock it while the block lasts.
 
-    Args:
-        identity: The evaluation to write there, or to continue.
-        fresh: Whether to remove what an earlier evaluation left there.
-
-    Raises:
-        UserError: The folder cannot be made, belongs to another evaluation, or one is writing to it.
+    A ``fresh`` one removes what an earlier evaluation left there. UserError if the folder cannot be made,
+    belongs to another evaluation, or one is writing to it.
     """
     _make(out)
     with locked(out) as lock:
@@ -86,11 +82,7 @@ def _check_same(out: Path, identity: Identity) -> None:
 
 
 def keep_only(out: Path, stems: Iterable[str]) -> None:
-    """Remove the files of all matches except some, and the partial files of killed writers.
-
-    Args:
-        stems: The stems of the names of the files to keep.
-    """
+    """Remove the files of all matches except those with some stems, and the partial files of dead writers."""
     kept = set(stems)
     for path in _own_files(out):
         if path.name.partition(".")[0] not in kept:
@@ -106,11 +98,7 @@ def _own_files(out: Path) -> Iterator[Path]:
 
 
 def check_out(out: Path, submissions: Iterable[Submission]) -> None:
-    """Refuse an invalid output folder, or one in a submission, because it would change what is evaluated.
-
-    Raises:
-        UserError: It is not a folder, or it is or is inside the folder of a submission.
-    """
+    """Refuse an invalid output folder, or one in a submission, because it would change what is evaluated."""
     check_folder("--out", out)
     target = out.resolve()
     for folder in (target, *target.parents):

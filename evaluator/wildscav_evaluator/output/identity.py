@@ -6,7 +6,7 @@ An evaluation is continued only if its identity is the same.
 from collections.abc import Iterable
 from hashlib import blake2b
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -14,7 +14,7 @@ from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.bounds import MAX_ROUNDS
-from wildscav_evaluator.output.json_files import FileModelError, WithOptionalFields
+from wildscav_evaluator.output.json_files import FileModel, FileModelError, WithOptionalFields
 from wildscav_evaluator.output.layout import IDENTITY_FILE
 from wildscav_evaluator.output.results import (
     KeptLimits,
@@ -70,8 +70,7 @@ def digest_of(specs: Iterable[MatchSpec]) -> str:
 def read_identity(folder: Path) -> Identity | None:
     """Return the identity of the evaluation in an output folder; None if it has none.
 
-    Raises:
-        UserError: The file is not one of this version of Wildscav.
+    UserError if it is not of this version of Wildscav.
     """
     path = folder / IDENTITY_FILE
     try:
@@ -86,11 +85,7 @@ def read_identity(folder: Path) -> Identity | None:
 
 
 def write_identity(identity: Identity, folder: Path) -> None:
-    """Write the identity of the evaluation into its output folder.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Write the identity of the evaluation into its output folder."""
     identity.write(folder / IDENTITY_FILE)
 
 
@@ -134,19 +129,14 @@ def _difference_of_submissions(old: tuple[Entrant, ...], new: tuple[Entrant, ...
 def _difference_of_tournaments(old: TournamentSettings | None, new: TournamentSettings | None) -> str:
     if old is None or new is None:
         return "it is no tournament" if old is None else "it is a tournament"
-    for name, wanted in new:
-        was = getattr(old, name)
-        if was != wanted:
-            return (
-                f"its {name.replace('_', ' ')} is {_listed(was) or 'none'}, not {_listed(wanted) or 'none'}"
-            )
-    return ""
+    name, was, wanted = _other_field(old, new)
+    return f"its {name.replace('_', ' ')} is {_listed(was) or 'none'}, not {_listed(wanted) or 'none'}"
 
 
 def _difference_of_models(old: ModelTerms | None, new: ModelTerms | None) -> str:
     if old is None or new is None:
         return "its agents may ask no model" if old is None else "its agents may ask a model"
-    name, was, wanted = next((name, was, one) for name, one in new if (was := getattr(old, name)) != one)
+    name, was, wanted = _other_field(old, new)
     return f"its model's {name.replace('_', ' ')} is {was}, not {wanted}"
 
 
@@ -156,12 +146,14 @@ def _signed(key: str | None) -> str:
 
 def _difference_of_limits(old: dict[str, KeptLimits], new: dict[str, KeptLimits]) -> str:
     """Return the first limit that differs; both have the same tracks."""
-    for track, limits in new.items():
-        for name, wanted in limits:
-            was = getattr(old[track], name)
-            if was != wanted:
-                return f"its limit of {name} on {track} is {_limit(was)}, not {_limit(wanted)}"
-    return ""
+    track = next(track for track in new if new[track] != old[track])
+    name, was, wanted = _other_field(old[track], new[track])
+    return f"its limit of {name} on {track} is {_limit(was)}, not {_limit(wanted)}"
+
+
+def _other_field(old: FileModel, new: FileModel) -> tuple[str, Any, Any]:
+    """Return the first field in which two models differ, with its value in each."""
+    return next((name, was, one) for name, one in new if (was := getattr(old, name)) != one)
 
 
 def _limit(value: float | None) -> str:

@@ -47,31 +47,17 @@ class FileModel(Document):
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Read a file.
-
-        Raises:
-            FileModelError: It is too large, or not of this kind.
-            OSError: It cannot be read.
-        """
+        """Read a file; FileModelError if it is too large, or not of this kind."""
         return cls.parse(read_after_trial(path, f"{cls.__module__}:{cls.__qualname__}.try_file"))
 
     @classmethod
     def try_file(cls, path: str) -> None:
-        """Read a file in the calling process, and discard its content.
-
-        Raises:
-            FileModelError: It is not of this kind.
-            OSError: It cannot be read.
-        """
+        """Read a file in the calling process, and discard its content."""
         cls.parse(read_limited(Path(path), LARGEST))
 
     @classmethod
     def parse(cls, content: bytes) -> Self:
-        """Parse some bytes of JSON as this model.
-
-        Raises:
-            FileModelError: They are not valid.
-        """
+        """Parse some bytes of JSON as this model; FileModelError if they are not valid."""
         try:
             return cls.model_validate_json(content)
         except ValidationError as error:
@@ -82,11 +68,7 @@ class FileModel(Document):
         return json.loads(self.model_dump_json())
 
     def write(self, path: Path) -> Path:
-        """Write this as a file, whole or not at all, and return its path.
-
-        Raises:
-            OSError: It cannot be written.
-        """
+        """Write this as a file, whole or not at all, and return its path."""
         write_whole(path, ascii_json(self.model_dump_json(indent=1)).encode("ascii") + b"\n")
         return path
 
@@ -120,13 +102,9 @@ class FileModelError(UserError):
 def read_after_trial(path: Path, trial: str) -> bytes:
     """Return the content of a file; try to read a large one in a process with limits first.
 
-    Args:
-        trial: The function that reads the file there as the caller will, named as for ``call_limited``. It is
-            called with the path. Its module is imported before memory is counted.
-
-    Raises:
-        FileModelError: A large file cannot be read, or takes too much time or memory.
-        OSError: A file cannot be read.
+    ``trial`` names the function that reads the file there as the caller will, as for ``call_limited``; it is
+    called with the path, and its module is imported before memory is counted. FileModelError if a large file
+    cannot be read, or takes too much time or memory.
     """
     large = path.stat().st_size > SMALL
     if large:

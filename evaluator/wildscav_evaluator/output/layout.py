@@ -15,10 +15,5 @@ JOURNAL = "matches"  # of earlier versions, which wrote each match there before 
 
 
 def stem_of(track: str, index: int, submission: str | None) -> str:
-    """Return the stem of the names of a match's files.
-
-    Args:
-        index: The number of the match in the suite or in the tournament.
-        submission: The submission whose evaluation the match belongs to; None in a tournament.
-    """
+    """Return the stem of the names of a match's files; the submission is None in a tournament."""
     return f"{track}-{index:03d}" if submission is None else f"{track}-{index:03d}-{submission}"

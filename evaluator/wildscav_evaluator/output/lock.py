@@ -37,11 +37,7 @@ def _inherit(duplicate: Any) -> Lock:
 
 @contextmanager
 def locked(folder: Path) -> Iterator[Lock]:
-    """Hold the lock of a folder, and remove its file at the end.
-
-    Raises:
-        UserError: Another evaluation holds it.
-    """
+    """Hold the lock of a folder, and remove its file at the end; UserError if another evaluation holds it."""
     path = folder / LOCK
     descriptor = _take(path, folder)
     try:

@@ -5,7 +5,7 @@ evaluation finds its folder again by its identity, even after others were evalua
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from wildscav.errors import UserError
@@ -19,12 +19,7 @@ NUMBERED = re.compile(r"(\d{4,})-.+")
 
 
 def own_folder(parent: Path, identity: Identity, *, fresh: bool) -> Path:
-    """Return the folder of an evaluation: the one that holds it already, or a new one with the next number.
-
-    Args:
-        parent: The folder that contains the numbered folders.
-        fresh: Whether to use a new folder even if one holds it already.
-    """
+    """Return an evaluation's numbered folder: the one that holds it, unless it is ``fresh``, or the next."""
     folders = numbered(parent)
     if not fresh:
         for folder in reversed(folders):
@@ -36,13 +31,8 @@ def own_folder(parent: Path, identity: Identity, *, fresh: bool) -> Path:
 
 def numbered(parent: Path) -> list[Path]:
     """Return the numbered folders in a folder, in order; an empty list if it does not exist."""
-    return sorted(_numbered(parent), key=number_of) if parent.is_dir() else []
-
-
-def _numbered(parent: Path) -> Iterator[Path]:
-    for path in parent.iterdir():
-        if NUMBERED.fullmatch(path.name) and path.is_dir():
-            yield path
+    folders = [path for path in parent.iterdir() if path.is_dir()] if parent.is_dir() else []
+    return sorted((path for path in folders if NUMBERED.fullmatch(path.name)), key=number_of)
 
 
 def number_of(folder: Path) -> int:

@@ -24,11 +24,7 @@ class RecordName(NamedTuple):
 
 
 def record_paths(out: Path) -> list[Path]:
-    """Return the records of an output folder.
-
-    Raises:
-        UserError: There are none.
-    """
+    """Return the records of an output folder; UserError if there are none."""
     paths = sorted((out / RECORDS).glob(f"[!.]*{SUFFIX}"))
     if not paths:
         raise UserError(f"there are no records in {out / RECORDS}: name an evaluation's output folder", 2)

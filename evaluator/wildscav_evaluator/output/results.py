@@ -346,11 +346,7 @@ class Results(WithOptionalFields):
 
 
 def read_results(path: Path) -> Results:
-    """Read a results file.
-
-    Raises:
-        UserError: It is missing, or not a results file of this version.
-    """
+    """Read a results file; UserError if it is missing, or none of this version."""
     try:
         return Results.read(path)
     except FileNotFoundError as error:
@@ -360,9 +356,5 @@ def read_results(path: Path) -> Results:
 
 
 def write_results(results: Results, folder: Path) -> Path:
-    """Write ``results.json`` into a folder, whole or not at all, and return its path.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Write ``results.json`` into a folder, whole or not at all, and return its path."""
     return results.write(folder / RESULTS_FILE)

@@ -39,11 +39,7 @@ class EvaluationPlan(Plan):
         return matches_in_rounds(self.suite, track, self.seed.value, self.rounds)
 
     def make_jobs(self) -> list[Job]:
-        """Return the matches to play, sorted by map, so that a map is rarely generated twice.
-
-        Raises:
-            UserError: Two submissions have the same name.
-        """
+        """Return the matches to play, sorted by map, so that a map is rarely generated twice."""
         check_names(self.submissions)
         jobs = []
         for track in self.tracks:
@@ -106,11 +102,7 @@ class EvaluationPlan(Plan):
 
 
 def check_names(submissions: Iterable[Submission]) -> None:
-    """Refuse two submissions with one name, because their records and results could not be distinguished.
-
-    Raises:
-        UserError: Two have the same name.
-    """
+    """Refuse two submissions with one name, because their records and results could not be distinguished."""
     folders: dict[str, Path] = {}
     for submission in submissions:
         if submission.name in folders:

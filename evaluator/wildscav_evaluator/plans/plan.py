@@ -32,8 +32,6 @@ from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
 from wildscav_evaluator.suites.suite import Suite
 
-REPLAY_CHOICES = ("none", "first", "all")
-
 
 @dataclass(frozen=True, kw_only=True)
 class Plan(ABC):
@@ -42,7 +40,7 @@ class Plan(ABC):
     submissions: tuple[Submission, ...]
     suite: Suite
     seed: SuiteSeed
-    replays: str  # one of REPLAY_CHOICES
+    replays: str  # "none", "first" or "all"
     jobs: int  # matches at once
     out: Path
     fresh: bool = False  # whether another evaluation in the output folder is removed
@@ -64,8 +62,7 @@ class Plan(ABC):
     def make_jobs(self) -> list[Job]:
         """Return the matches to play, sorted by map, so that a map is rarely generated twice.
 
-        Raises:
-            UserError: The matches cannot be played.
+        UserError if they cannot be played.
         """
 
     @abstractmethod

@@ -63,11 +63,7 @@ class TournamentPlan(Plan):
         )
 
     def make_jobs(self) -> list[Job]:
-        """Return the matches to play, in the order of the schedule, so that a map is rarely generated twice.
-
-        Raises:
-            UserError: There is no such schedule, or the suite's matches cannot be played by so many seats.
-        """
+        """Return the matches to play, in the order of the schedule, so that few maps are generated twice."""
         by_name = {one.name: one for one in self.submissions}
         return [self._job(index, match, by_name) for index, match in enumerate(self.matches)]
 

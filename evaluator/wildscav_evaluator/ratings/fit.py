@@ -91,11 +91,7 @@ class Comparisons:
 
 
 def compare_entrants(matches: Iterable[RatedMatch]) -> Comparisons:
-    """Return the comparisons that follow from the places of some matches.
-
-    Raises:
-        ValueError: There are no matches.
-    """
+    """Return the comparisons that follow from the places of some matches; ValueError if there are none."""
     ordered = sorted(matches)
     if not ordered:
         raise ValueError("there are no matches to rate")
@@ -142,14 +138,7 @@ class Fit:
 
 
 def fit(matches: Iterable[RatedMatch]) -> Fit:
-    """Fit ratings to all matches at once.
-
-    Args:
-        matches: The matches, in any order.
-
-    Raises:
-        ValueError: There are no matches.
-    """
+    """Fit ratings to all matches at once, in any order; ValueError if there are none."""
     comparisons = compare_entrants(matches)
     strengths = fitted_strengths(comparisons)
     steps = _resampled_steps(comparisons, strengths)
@@ -170,14 +159,9 @@ def fit(matches: Iterable[RatedMatch]) -> Fit:
 def fitted_strengths(comparisons: Comparisons) -> NDArray[np.float64]:
     """Return the strengths that are most likely, given the points and the imaginary ties.
 
-    A step of Newton's is shortened so that it raises the likelihood, however far it goes (Sun & Tran-Dinh,
-    "Generalized self-concordant functions", *Mathematical Programming* 178, 2019).
-
-    Returns:
-        (N,) natural logarithms of odds against the imaginary opponent.
-
-    Raises:
-        WildscavError: The iterations do not converge.
+    They are (N,) natural logarithms of odds against the imaginary opponent. A step of Newton's is shortened
+    so that it raises the likelihood, however far it goes (Sun & Tran-Dinh, "Generalized self-concordant
+    functions", *Mathematical Programming* 178, 2019). WildscavError if the iterations do not converge.
     """
     margins, won, played = comparisons.met()
     gathered = margins.T.tocsr()  # sums up for each entrant what its pairs have
@@ -205,11 +189,7 @@ def _newton_step(
 
 
 def _resampled_steps(comparisons: Comparisons, strengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the Newton steps of the matches themselves and of the resamples.
-
-    Returns:
-        (1 + RESAMPLES, N) changes of the strengths.
-    """
+    """Return (1 + RESAMPLES, N) Newton steps of the strengths: of the matches and of the resamples."""
     expected = special.expit(strengths[comparisons.first] - strengths[comparisons.second])
     own = special.expit(strengths)  # expected points in the imaginary tie
     gradients = _gradients(comparisons, comparisons.points - expected, 0.5 - own)

@@ -61,11 +61,7 @@ class Ladder:
     """Skills of entrants, to which matches are applied one after the other."""
 
     def __init__(self, start: Mapping[str, Skill] | None = None) -> None:
-        """Start a ladder.
-
-        Args:
-            start: The skills of entrants that have already played; others start with the default.
-        """
+        """Start a ladder; entrants whose skills are not given start with the default."""
         self._skills = dict(start or {})
         self._model = BradleyTerryFull(mu=MU, sigma=SIGMA, beta=BETA, gamma=_gamma)
 
@@ -98,9 +94,8 @@ def ladder(
 ) -> dict[str, tuple[LadderStep, ...]]:
     """Apply matches in the order given, and return the history of each entrant that played, by name.
 
-    Args:
-        matches: The matches, in the order of the schedule and never in that of their arrival.
-        start: The skills of entrants that have already played.
+    That is the order of the schedule and never that of their arrival. ``start`` has the skills of entrants
+    that have already played.
     """
     running = Ladder(start)
     history: dict[str, list[LadderStep]] = {}

@@ -11,8 +11,7 @@ from typing import NamedTuple
 class RatedMatch:
     """A finished match among entrants.
 
-    Raises:
-        ValueError: Fewer than two teams, an empty team, an entrant twice, or places that do not fit.
+    ValueError if there are fewer than two teams, an empty team, an entrant twice, or places that do not fit.
     """
 
     game: int  # matches of one game share the map and the match seed, so their results depend on each other

@@ -1,6 +1,6 @@
 """A picture of standings: ratings with intervals, bands, and the results of every two entrants."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -34,19 +34,19 @@ BandLine = tuple[int, int, int, int]  # lane, first row, last row, and the index
 def draw_standings(standings: Standings, title: str, path: Path) -> Path:
     """Draw standings as a PNG, whole or not at all, and return its path; equal standings give equal files.
 
-    Args:
-        standings: The standings, of at least one entrant.
-        title: The first line of the picture, such as the track and the number of matches.
-
-    Raises:
-        OSError: It cannot be written.
+    The title is its first line, such as the track and the number of matches.
     """
+    return draw_figure(lambda: _figure(standings, title), path)
+
+
+def draw_figure(figure: "Callable[[], Figure]", path: Path) -> Path:
+    """Draw a figure as a PNG, whole or not at all, and return its path."""
     from matplotlib import style
 
     content = BytesIO()
     # Not the settings of the user, so that the picture is the same everywhere.
     with style.context(["default", {"font.size": 9.0, "text.parse_math": False, "text.color": TEXT}]):
-        _figure(standings, title).savefig(content, format="png", metadata={"Software": None})
+        figure().savefig(content, format="png", metadata={"Software": None})
     write_whole(path, content.getvalue())
     return path
 
@@ -100,13 +100,9 @@ def _shortened(name: str, longest: int) -> str:
 
 
 def band_lines(bands: Sequence[Sequence[str]], names: Sequence[str]) -> list[BandLine]:
-    """Return where to draw the bands.
+    """Return where to draw the bands, from the best to the worst, in the rows of some names.
 
     Bands of one entrant, and those below the last row, are left out. Bands in one lane do not touch.
-
-    Args:
-        bands: The bands, from the best to the worst.
-        names: The entrants of the rows.
     """
     row = {name: index for index, name in enumerate(names)}
     placed, ends = [], list[int]()

@@ -76,11 +76,9 @@ class Standings(FileModel):
 
 
 def rate(matches: Iterable[RatedMatch]) -> Standings:
-    """Return all ratings that follow from some matches.
+    """Return all ratings that follow from some matches, if there are any.
 
-    Args:
-        matches: The matches in the order of the schedule, in which the ladder applies them. Nothing else
-            depends on their order. There may be none.
+    The ladder applies them in the order of the schedule, in which they are given. Nothing else depends on it.
     """
     played = list(matches)
     if not played:

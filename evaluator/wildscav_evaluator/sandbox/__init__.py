@@ -20,11 +20,7 @@ __all__ = [
 
 
 def make_sandbox(name: str, kind: Any) -> Sandbox:
-    """Return the sandbox of the class that an entry point names.
-
-    Raises:
-        ValueError: It is not the class of a sandbox of that name.
-    """
+    """Return the sandbox of the class that an entry point names; ValueError if it is none of that name."""
     missing = [
         part for part in ("name", "isolated", "runs_images", "promises", "start") if not hasattr(kind, part)
     ]

@@ -35,18 +35,10 @@ class Choice:
 def choose(
     asked: str | None, sandboxes: Sequence[Sandbox], limits: Limits, *, images: bool = False
 ) -> Choice:
-    """Return the sandbox to use.
+    """Return the sandbox to use, after removing the leftovers of commands that were killed.
 
-    Args:
-        asked: Its name; None for the strongest that works on this machine.
-        sandboxes: Those to choose from, the strongest first.
-        limits: The limits that it must keep.
-        images: Whether a submission is an image, which only containers run.
-
-    First, the leftovers of commands that were killed are removed.
-
-    Raises:
-        SandboxError: The sandbox asked for does not keep its promises; the message says which.
+    It is the one that is asked for by name, or the first that works of the ``sandboxes``, the strongest
+    first. If ``images`` are to run, only containers do. SandboxError says which promises are not kept.
     """
     leftovers.sweep()
     if asked is not None:

@@ -136,14 +136,9 @@ class SessionHandle:
 def kill_session(session: int, leader: int | None) -> bool:
     """Kill every process of a session, in all its process groups, except zombies.
 
-    The kernel does not give a session's number to a new process while the session has members.
-
-    Args:
-        session: Its number.
-        leader: A pidfd of its first process; None if there is none.
-
-    Returns:
-        Whether all of its processes have ended, so that its number may be another's from now on.
+    Returns whether all have ended, so that its number may be another's from now on: the kernel does not give
+    it to a new process while the session has members. ``leader`` is a pidfd of its first process, if there is
+    one.
     """
     if not Path("/proc/self/stat").exists():
         with contextlib.suppress(ProcessLookupError, PermissionError):

@@ -23,8 +23,7 @@ def read_file(process: int, name: str) -> bytes:
 def open_process(process: int) -> int | None:
     """Return a pidfd, which stands for a process whoever gets its number later; None before Linux 5.3.
 
-    Raises:
-        ProcessLookupError: The process has ended.
+    ProcessLookupError if the process has ended.
     """
     try:
         return os.pidfd_open(process)
@@ -35,12 +34,7 @@ def open_process(process: int) -> int | None:
 
 
 def kill(process: int, is_meant: Callable[[int], bool]) -> None:
-    """Kill a process, and never another one that gets its number meanwhile.
-
-    Args:
-        process: Its number.
-        is_meant: Returns whether the number is still that of a process to kill.
-    """
+    """Kill a process, and never another one that gets its number meanwhile: ``is_meant`` tells them apart."""
     with contextlib.suppress(ProcessLookupError, PermissionError):
         opened = open_process(process)
         try:

@@ -31,11 +31,7 @@ class Group(Protocol):
         ...
 
     def used(self, contents: list[bytes]) -> tuple[float, float]:
-        """Return how long its threads ran, and how long its limit held it back, s.
-
-        Args:
-            contents: Of the files of counters.
-        """
+        """Return how long its threads ran, and its limit held it back, s, by its counters' contents."""
         ...
 
 
@@ -51,10 +47,8 @@ class Reading(NamedTuple):
 class GroupMeter:
     """Measures the waits of an agent in a control group. See ``wildscav_server.time_limits.WaitMeter``.
 
-    It keeps the kernel's files open, because opening them takes longer than reading them.
-
-    Raises:
-        OSError: The group does not count.
+    It keeps the kernel's files open, because opening them takes longer than reading them. OSError if the
+    group does not count.
     """
 
     def __init__(self, group: Group) -> None:
@@ -106,11 +100,7 @@ class GroupMeter:
         return 0.0 if since is None or now is None else waited_for_others(since, now)
 
     def ran(self) -> float:
-        """Return how long the agent's threads have run so far, s; children that have ended are included.
-
-        Raises:
-            OSError: The group is gone.
-        """
+        """Return how long its threads and ended children have run so far, s; OSError if the group is gone."""
         if not self._counters:
             raise OSError("the control group is not measured any more")
         try:

@@ -70,11 +70,8 @@ class AuditedFolder:
 def read_folder(out: Path, reported: Results, key: str | None) -> AuditedFolder:
     """Read the identity and the ledger of an output folder.
 
-    Args:
-        key: The public key that must have signed its ledger; None to accept any.
-
-    Raises:
-        UserError: Its results have an unknown track, or an evaluation twice.
+    ``key`` is the public key that must have signed its ledger; None for any. UserError if its results have an
+    unknown track, or an evaluation twice.
     """
     names = Counter((one.track, one.submission) for one in reported.evaluations)
     for (track, submission), count in names.items():
@@ -96,11 +93,8 @@ def read_folder(out: Path, reported: Results, key: str | None) -> AuditedFolder:
 def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recomputed: Results) -> Iterator[str]:
     """Yield one line for each claim of an output folder that its contents do not support.
 
-    Args:
-        recomputed: Its results, with the numbers that follow from the records.
-
-    Raises:
-        UserError: The suite's own file, or the opened secret, is not that of the results.
+    ``recomputed`` are its results, with the numbers that follow from the records. Errors: see
+    ``expected_matches``.
     """
     expected = expected_matches(folder.out, folder.reported)
     judge = judge_of(folder.out, folder.reported, expected)
@@ -112,8 +106,12 @@ def discrepancies(folder: AuditedFolder, replayed: Sequence[Replayed], recompute
     if settings is not None and expected is None:
         yield from deviations(folder.reported, settings, replayed, max(counts.values(), default=0))
     yield from disagreements(replayed, folder.reported, recomputed.evaluations, judge)
-    yield from _of_overall(folder, recomputed)
-    yield from _of_versions(folder.reported, replayed)
+    if folder.reported.overall != recomputed.overall:
+        yield f"the ratings across tracks in {RESULTS_FILE} are not those that the records give"
+    for one in replayed:
+        if one.versions is not None and one.versions != folder.reported.versions:
+            said = folder.reported.versions
+            yield f"{one.record}: was played by {one.versions}, but the results say {said}"
     yield from _of_seeds(folder, replayed)
     yield from _of_ledger(folder)
     if fault := check_comparison(folder.out, folder.reported):
@@ -242,18 +240,6 @@ def _of_row(folder: AuditedFolder, evaluation: Evaluation, row: MatchRow) -> Ite
         )
 
 
-def _of_overall(folder: AuditedFolder, recomputed: Results) -> Iterator[str]:
-    """Compare the ratings across tracks with those that follow from the scores."""
-    if folder.reported.overall != recomputed.overall:
-        yield f"the ratings across tracks in {RESULTS_FILE} are not those that the records give"
-
-
-def _of_versions(reported: Results, replayed: Sequence[Replayed]) -> Iterator[str]:
-    for one in replayed:
-        if one.versions is not None and one.versions != reported.versions:
-            yield f"{one.record}: was played by {one.versions}, but the results say {reported.versions}"
-
-
 def _of_seeds(folder: AuditedFolder, replayed: Sequence[Replayed]) -> Iterator[str]:
     """Check that agents were told the private seeds that follow from the evaluation's seed, once known."""
     seed = known_seed(folder.out, folder.reported)
@@ -336,9 +322,6 @@ def deviations(
     earlier version. But every match has as many entrants and the same kinds of seats, a game is played again
     by the same entrants, and everyone plays equally often. This is enough to notice a match that was left
     out, and a seat that was given to another entrant.
-
-    Args:
-        count: How many matches it has.
     """
     entrants = Counter(row.index for one in reported.evaluations for row in one.matches)
     for index in range(count):

@@ -135,12 +135,7 @@ def _differences(
 
 
 def judge(low: float, high: float, pairs: int, *, lower_is_better: bool) -> Verdict:
-    """Return which submission is better, given the interval of first - second.
-
-    Args:
-        pairs: The number of matches behind it.
-        lower_is_better: Whether lower values of the metric are better.
-    """
+    """Return which submission is better, given the interval of first - second over some pairs of matches."""
     if pairs < FEWEST_PAIRS:
         return "too few"
     if low <= 0.0 <= high:
@@ -149,11 +144,7 @@ def judge(low: float, high: float, pairs: int, *, lower_is_better: bool) -> Verd
 
 
 def check_comparison(out: Path, results: Results) -> str:
-    """Return why a folder's comparison does not follow from its results; an empty text if it does.
-
-    Args:
-        out: The folder; it may have no comparison.
-    """
+    """Return why a folder's comparison, if any, does not follow from its results; nothing if it does."""
     path = out / COMPARISON_FILE
     try:
         reported = Comparisons.read(path)
@@ -168,15 +159,6 @@ def check_comparison(out: Path, results: Results) -> str:
     return f"{COMPARISON_FILE} is not what {RESULTS_FILE} gives"
 
 
-def write_comparisons(comparisons: Comparisons, folder: Path) -> Path:
-    """Write ``comparison.json`` into a folder, whole or not at all, and return its path.
-
-    Raises:
-        OSError: It cannot be written.
-    """
-    return comparisons.write(folder / COMPARISON_FILE)
-
-
 class Change(FileModel):
     """One submission on one track, now and when it was last evaluated with other files."""
 
@@ -188,8 +170,7 @@ class Change(FileModel):
 def changes_since_last(results: Results, out: Path) -> tuple[Change, ...]:
     """Compare every submission with its last evaluation on the same matches with other files.
 
-    Args:
-        out: Its folder. If that has no number, its predecessors are not known.
+    If the folder has no number, its predecessors are not known.
     """
     wanted = {(one.submission, one.track): one for one in results.evaluations}
     changes: dict[tuple[str, str], Change] = {}

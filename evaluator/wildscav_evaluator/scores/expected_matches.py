@@ -48,9 +48,7 @@ def expected_matches(out: Path, reported: Results) -> Mapping[str, Sequence[Expe
     """Return the matches that should have been played, by track; None if they are not known.
 
     They are not known while their seed is hidden, and of a tournament with a schedule of an earlier version.
-
-    Raises:
-        UserError: The suite's own file, or the opened secret, is not that of the results.
+    UserError if the suite's own file, or the opened secret, is not that of the results.
     """
     suite = played_suite(out, reported)
     known = known_seed(out, reported)
@@ -85,9 +83,6 @@ def judge_of(
 
     Of a schedule of an earlier version, each match must be of the seed's next game; who plays in it is not
     derived.
-
-    Args:
-        expected: Its matches by track, if they are known.
     """
     if expected is not None:
         return lambda track, index, spec, names: (
@@ -114,8 +109,7 @@ def judge_of(
 def match_counts(out: Path, reported: Results) -> Mapping[str, int]:
     """Return how many matches should have been played on each track, which does not depend on the seed.
 
-    Raises:
-        UserError: The suite's own file is not that of the results, or there are too many.
+    UserError if the suite's own file is not that of the results, or there are too many.
     """
     if reported.tournament is not None:
         count = tournament_match_count(reported.rounds, reported.tournament, entrants_of(reported))
@@ -130,11 +124,7 @@ def has_older_schedule(reported: Results) -> bool:
 
 
 def entrants_of(reported: Results) -> list[str]:
-    """Return the names of the entrants of a tournament, sorted.
-
-    Raises:
-        UserError: A later version of Wildscav made its schedule.
-    """
+    """Return the names of a tournament's entrants, sorted; UserError if a later version made its schedule."""
     if reported.tournament is not None and reported.tournament.schedule > SCHEDULE_VERSION:
         raise UserError(
             f"the tournament was played with version {reported.tournament.schedule} of its schedule, and "
@@ -147,8 +137,7 @@ def entrants_of(reported: Results) -> list[str]:
 def played_suite(out: Path, reported: Results) -> Suite:
     """Return the suite of an evaluation; an organizer's own is read from the copy of its file.
 
-    Raises:
-        UserError: The copy is missing or is another suite, or the suite's package has another version.
+    UserError if that is missing or is another suite, or the suite's package has another version.
     """
     name = reported.suite.partition("@")[0]
     if name in SUITES and not (out / SUITE_FILE).exists():
@@ -164,8 +153,7 @@ def played_suite(out: Path, reported: Results) -> Suite:
 def known_seed(out: Path, reported: Results) -> SuiteSeed | None:
     """Return the seed of an evaluation, if it is public or its secret was opened; None while it is hidden.
 
-    Raises:
-        UserError: The secret is not the one that was committed to.
+    UserError if it is not the one that was committed to.
     """
     if reported.commitment is None:
         return None if reported.seed is None else SuiteSeed(reported.seed)
@@ -179,16 +167,9 @@ def known_seed(out: Path, reported: Results) -> SuiteSeed | None:
 
 
 def check_opened(out: Path, commitment: str) -> int:
-    """Check that an evaluation played the matches of the secret that was committed to.
+    """Check that an evaluation played the matches of the secret that was committed to; count its records.
 
-    Args:
-        commitment: As it was published.
-
-    Returns:
-        The number of records.
-
-    Raises:
-        UserError: It played other matches, or its secret was not opened.
+    UserError if it played other matches, or its secret was not opened.
     """
     reported = read_results(out / RESULTS_FILE)
     if reported.commitment != commitment:

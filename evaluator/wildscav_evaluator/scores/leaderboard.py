@@ -66,14 +66,10 @@ class Found(NamedTuple):
 
 
 def find_results(places: Iterable[Path]) -> Found:
-    """Read the results in some places.
+    """Read the results in files, folders of evaluations, and folders that contain such folders at any depth.
 
-    Args:
-        places: Files of results, folders of evaluations, and folders that contain such folders at any depth.
-            Only what is named itself must be readable. Comparisons inside a folder are left out.
-
-    Raises:
-        UserError: A place does not exist, or is a file that holds no results.
+    Only what is named itself must be readable. Comparisons inside a folder are left out. UserError if a place
+    does not exist, or is a file that holds no results.
     """
     from wildscav_evaluator.tournaments.tournament_file import Tournament
 
@@ -131,7 +127,8 @@ def standings(
         for one in results.evaluations
         if is_meant(track, one.track) and is_meant(suite, results.suite)
     ]
-    for conditions, latest in sorted(_tables(rows, _of_a_person), key=_sort_key):
+    tables = _tables(rows, lambda agents: agents._replace(**BY_PEOPLE, limits=KeptLimits()))
+    for conditions, latest in sorted(tables, key=_sort_key):
         row_of = {id(row.evaluation): row for row in latest}
         ranks = ranked(row.evaluation for row in latest)
         yield Standings(conditions, tuple(row_of[id(one)]._replace(rank=rank) for rank, one in ranks))
@@ -173,20 +170,14 @@ def _by_age(evaluated: Iterable[Results]) -> list[Results]:
 BY_PEOPLE: dict[str, Any] = {"sandbox": BROWSER, "model": None}  # who have no limits, too
 
 
-def _of_a_person(agents: Conditions) -> Conditions:
-    return agents._replace(**BY_PEOPLE, limits=KeptLimits())
-
-
 def _tables(
     rows: Sequence[tuple[Shared, tuple[str, str], Placed]], by_people: Callable[[Shared], Shared]
 ) -> Iterator[tuple[Shared, list[Placed]]]:
     """Yield the latest rows of each set of equal conditions, by name.
 
-    Rows of people stand in each table of agents that played the same matches, or else in one of their own.
-
-    Args:
-        rows: Conditions, name and interface, and the row itself; the earliest first.
-        by_people: Returns the conditions under which people play the matches that agents play.
+    Each of the rows, the earliest first, stands behind its conditions, its name and its interface. Those of
+    people stand in each table of agents that played the same matches, or else in one of their own:
+    ``by_people`` returns the conditions under which people play what agents play.
     """
     distinct: list[Shared] = []  # they cannot be hashed: a model has a dictionary
     for conditions, _, _ in rows:

@@ -18,11 +18,7 @@ from wildscav_evaluator.suites.suite import Reference, Suite
 
 
 def overall_of(suite: Suite, evaluations: Iterable[Evaluation]) -> tuple[Overall, ...] | None:
-    """Return the ratings of the submissions that played all tracks of a suite, in their order.
-
-    Returns:
-        None if the suite has no scale across its tracks.
-    """
+    """Return the ratings of the submissions that played all tracks of a suite; None without a scale."""
     if not suite.references:
         return None
     played: dict[tuple[str, str], dict[str, Evaluation]] = {}
@@ -65,11 +61,7 @@ def _on_track(reference: Reference, played: Evaluation) -> Estimate:
 
 
 def across_tracks(scores: Sequence[Sequence[float]]) -> tuple[Estimate, Estimate]:
-    """Return the mean of the tracks' means, and the interquartile mean of all matches.
-
-    Args:
-        scores: For each track, the normalized scores of its matches, at least one.
-    """
+    """Return the mean of the tracks' means, and the interquartile mean of all matches, each scored."""
     mean = math.fsum(math.fsum(track) / len(track) for track in scores) / len(scores)
     iqm = float(_middle(np.concatenate([np.array(track) for track in scores])[None])[0])
     fewest = min(map(len, scores))

@@ -1,12 +1,10 @@
 """The price of thinking: the score of an agent over the game time that passes while it thinks."""
 
 from collections.abc import Sequence
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from wildscav_engine.specs.thinking import ClockChoice
-from wildscav_engine.storage.files import write_whole
 from wildscav_evaluator.output.json_files import FileModel, WithOptionalFields
 from wildscav_evaluator.output.results import (
     KeptLimits,
@@ -25,7 +23,7 @@ if TYPE_CHECKING:
 
 PRICE_FILE, PRICE_PICTURE = "price.json", "price.png"
 DOTS_PER_INCH = 110
-LINE, BAND, GRID, TEXT = "#0072b2", "#cfe3f1", "#d8dee4", "#1c2733"
+LINE, BAND, GRID = "#0072b2", "#cfe3f1", "#d8dee4"
 
 
 class Point(FileModel):
@@ -80,11 +78,8 @@ def label_of(clock: ClockChoice) -> str:
 def price_of(played: Sequence[Results], think: float = 0.0) -> Price:
     """Return the price that follows from evaluations of one submission on one track, by several clocks.
 
-    Args:
-        think: Seconds by which every decision was slowed down on purpose.
-
-    Raises:
-        ValueError: By one clock no match was played.
+    ``think`` is by how many seconds every decision was slowed down. ValueError if by one clock no match was
+    played.
     """
     first, evaluation = played[0], played[0].evaluations[0]
     return Price.about(
@@ -120,18 +115,10 @@ def _point(results: Results) -> Point:
 
 
 def draw_price(price: Price, path: Path) -> Path:
-    """Draw a price as a PNG, whole or not at all, and return its path.
+    """Draw a price as a PNG, whole or not at all, and return its path."""
+    from wildscav_evaluator.ratings.picture import draw_figure
 
-    Raises:
-        OSError: It cannot be written.
-    """
-    from matplotlib import style
-
-    content = BytesIO()
-    with style.context(["default", {"font.size": 9.0, "text.parse_math": False, "text.color": TEXT}]):
-        _figure(price).savefig(content, format="png", metadata={"Software": None})
-    write_whole(path, content.getvalue())
-    return path
+    return draw_figure(lambda: _figure(price), path)
 
 
 def _figure(price: Price) -> "Figure":

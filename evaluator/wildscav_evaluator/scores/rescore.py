@@ -83,11 +83,6 @@ def read_file(path: Path) -> RecordFile:
         return RecordFile(path.name, error=f"cannot be read: {error.strerror}")
 
 
-def replay_one(path: Path) -> Replayed:
-    """Play a record again in this process."""
-    return replay_file(read_file(path))
-
-
 def replay_file(file: RecordFile) -> Replayed:
     """Play a record again; return its faults instead of raising, so that the others are still played."""
     name, place = parse_name(Path(file.name)), f"{RECORDS}/{file.name}"
@@ -132,9 +127,8 @@ def replay_file(file: RecordFile) -> Replayed:
 def recompute(replayed: Sequence[Replayed], reported: Results | None) -> list[Evaluation]:
     """Return the evaluations that follow from some records, with every number recomputed.
 
-    Args:
-        reported: The evaluation's own results, the source of what records do not contain: the order of the
-            evaluations, the versions of the submissions, and the behaviour of agents.
+    ``reported`` is the source of what records do not contain: the order of the evaluations, the versions of
+    the submissions, and the behaviour of agents.
     """
     held: dict[tuple[str, str], dict[int, Replayed]] = {}
     for submission, one in _by_submission(replayed):
@@ -206,9 +200,8 @@ def disagreements(
 ) -> Iterator[str]:
     """Yield one line for each of an evaluation's results that its records do not support.
 
-    Args:
-        recomputed: The evaluations that follow from the records.
-        judge: Says whether a record is of the match with its number; None if that is not known.
+    ``recomputed`` follows from the records; there is no judge if it is not known which match has which
+    number.
     """
     for one in replayed:
         if one.spec is not None and (one.submission is None) != (reported.tournament is not None):

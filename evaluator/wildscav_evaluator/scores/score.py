@@ -29,11 +29,7 @@ def summary(metrics: Iterable[MetricInfo], rows: Iterable[MatchRow]) -> dict[str
 
 
 def summarize(values: Sequence[float]) -> Summary:
-    """Return mean, sample standard deviation and bootstrap interval of a metric over matches.
-
-    Args:
-        values: The metric in every match played, in the order of the suite; at least one.
-    """
+    """Return mean, sample deviation and bootstrap interval of a metric over one match or more, in order."""
     count, mean = len(values), mean_of(values)
     squares = math.fsum((value - mean) ** 2 for value in values)
     deviation = math.sqrt(squares / (count - 1)) if count > 1 else None

@@ -68,15 +68,8 @@ def is_archive(path: Path) -> bool:
 def unpack(archive: Path, cache: Path | None = None, largest: int = LARGEST_CONTENT) -> Path:
     """Return a folder with an archive's content, from the cache if the same content was unpacked before.
 
-    If a single folder holds everything, as many programs pack it, that folder is returned.
-
-    Args:
-        cache: The cache; None for the one of all submissions.
-        largest: Bytes, at most, of all files in the archive.
-
-    Raises:
-        ArchiveError: An entry is not allowed; one line says which, and what is allowed.
-        OSError: It cannot be read, or the disk is full.
+    If a single folder holds everything, as many programs pack it, that folder is returned. All files together
+    have at most ``largest`` bytes. ArchiveError says which entry is not allowed, and what is.
     """
     size = archive.stat().st_size
     if size > LARGEST:
@@ -108,16 +101,7 @@ def _unpack_new(archive: Path, target: Path, largest: int) -> None:
 
 
 def unpack_into(archive: str, folder: str, largest_content: int, most_entries: int) -> None:
-    """Unpack an archive into an empty folder, in the calling process.
-
-    Args:
-        largest_content: Bytes, at most, of all files in it.
-        most_entries: The number of entries, at most.
-
-    Raises:
-        ArchiveError: An entry is not allowed; one line says which, and what is allowed.
-        OSError: It cannot be read, or the disk is full.
-    """
+    """Unpack an archive into an empty folder, in the calling process. See ``unpack``."""
     try:
         _write_all(Path(archive), Path(folder), largest_content, most_entries)
     except BROKEN as error:
@@ -150,11 +134,7 @@ def _write_all(archive: Path, folder: Path, largest_content: int, most_entries: 
 
 
 def _write(archive: Path, entry: Entry, path: Path, left: int) -> int:
-    """Write a file's content and return its size in bytes.
-
-    Raises:
-        TooLargeError: It is larger than ``left``.
-    """
+    """Write a file's content and return its size in bytes; TooLargeError if there is more than ``left``."""
     written = 0
     path.parent.mkdir(parents=True, exist_ok=True)
     content = entry.open()

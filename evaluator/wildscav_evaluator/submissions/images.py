@@ -65,12 +65,7 @@ LEFT_OUT = {"__pycache__", "submissions"}  # an installed wheel has the baseline
 
 
 class BuildError(SandboxError):
-    """An image could not be built.
-
-    Args:
-        message: Why.
-        last_lines: The last lines that the engine printed.
-    """
+    """An image could not be built: why, and the last lines that the engine printed."""
 
     def __init__(self, message: str, last_lines: tuple[str, ...] = ()) -> None:
         super().__init__(message)
@@ -115,17 +110,10 @@ def build_image(
     options: Sequence[str] = (),
     dockerfile: Path | None = None,
 ) -> str:
-    """Build the image of a submission and return its name. This installs its packages.
+    """Build the image of a submission that is a folder, and return its name. This installs its packages.
 
-    Args:
-        submission: A submission that is a folder.
-        base: The image to build on; if None, the SDK's own, which is built if it does not exist.
-        options: Options for the engine's build, such as proxies.
-        dockerfile: A Dockerfile to use instead of ``docker/agent.Dockerfile``.
-
-    Raises:
-        BuildError: The build failed; the engine has printed why.
-        SandboxError: There is no engine, or the build of what all images are built on failed.
+    It is built on ``base``, by default the SDK's own image, which is built if it does not exist. BuildError
+    if the build failed; SandboxError if there is no engine, or what all images are built on cannot be built.
     """
     engine = find_engine()
     if base is None:
@@ -176,8 +164,7 @@ def _exists(engine: ContainerEngine, name: str) -> bool:
 def with_images(submissions: Sequence[Submission], sandbox: str) -> tuple[Submission, ...]:
     """Return submissions as a sandbox runs them: for containers, with the images that were built.
 
-    Raises:
-        SubmissionError: One needs packages and was not built, or is an image and the sandbox runs none.
+    SubmissionError if one needs packages and was not built, or is an image and the sandbox runs none.
     """
     return tuple(_with_image(submission, sandbox) for submission in submissions)
 
@@ -243,9 +230,7 @@ def missing_packages(submission: Submission) -> list[str]:
 def load_image(reference: str) -> Submission:
     """Return a prebuilt image as a submission, by its ``/submission/submission.toml``. None of its code runs.
 
-    Raises:
-        SubmissionError: There is no such image here, or it has no valid manifest.
-        SandboxError: There is no engine.
+    SubmissionError if there is no such image here, or it has no valid manifest.
     """
     engine = find_engine()
     answer = call(engine, "image", "inspect", "--format", "{{.Id}}", reference)
@@ -265,9 +250,6 @@ def _check_settings(engine: ContainerEngine, image: str, reference: str | None =
     """Refuse an image that cannot be run, or that needs what agents do not get.
 
     An engine would save what an agent writes to a volume on this machine's disk.
-
-    Raises:
-        SubmissionError: It has volumes, no command, or too many variables; the message says which.
     """
     settings, name = image_settings(engine, image), f"image {reference or image}"
     if volumes := sorted(settings.get("Volumes") or ()):

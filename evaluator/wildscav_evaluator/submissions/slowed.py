@@ -26,13 +26,9 @@ class Slowed(Thinker):
 
 
 def slowed(submission: Submission, seconds: float, folder: Path) -> Submission:
-    """Return a copy of a submission that waits for some seconds in each decision.
+    """Return a copy, in a new folder, of a submission that waits for some seconds in each decision.
 
-    Args:
-        folder: Where to make the copy; it does not exist yet.
-
-    Raises:
-        UserError: It is no folder with an agent in Python, or one that plays by words.
+    UserError if it is no folder with an agent in Python, or one that plays by words.
     """
     module, _, name = (submission.manifest.entry_point or "").partition(":")
     if submission.image is not None or not name:

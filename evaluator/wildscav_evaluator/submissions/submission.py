@@ -53,8 +53,7 @@ class Submission:
 def load_submission(folder: Path) -> Submission:
     """Read and check a submission: a folder, or an archive of one. None of its code runs.
 
-    Raises:
-        SubmissionError: It is not valid; one line says which file and field, and what is allowed.
+    SubmissionError if it is not valid; one line says which file and field, and what is allowed.
     """
     if folder.is_file() and is_archive(folder):
         folder = unpack(folder)
@@ -107,11 +106,7 @@ def _check_command(path: Path, program: str, files: Sequence[Path]) -> None:
 
 
 def folder_digest(folder: Path) -> str:
-    """Return a digest of the files of a submission: their paths, their contents, and which are executable.
-
-    Raises:
-        SubmissionError: See ``submission_files``.
-    """
+    """Return a digest of the files of a submission: their paths, their contents, and which are executable."""
     return _digest_of(dict(_hashed_files(folder)))
 
 

@@ -27,11 +27,8 @@ def gathering(
 ) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws matches with one wave of supplies near the middle of the map.
 
-    Args:
-        time_limit: Seconds of game time.
-        offset: The centre's x and z are each -offset, 0 or offset metres.
-        radii: Metres; standard deviations of the heat map.
-        spacings: Metres, of the outdoor grid.
+    The centre's x and z are each -offset, 0 or offset, m. Of the radii, m, each is a standard deviation of
+    the heat map; the spacings, m, are of the outdoor grid.
     """
 
     def draw(dice: RandomStream) -> MatchSpec:
@@ -53,12 +50,9 @@ def battle(
 ) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws matches of one submission against robots, with one refresh of supplies.
 
-    Args:
-        time_limit: Seconds of game time.
-        robots: Number of opponents.
-        radius: Metres; standard deviation of the first heat map, around the middle of the map.
-        refresh_time: Seconds into the match; the refresh is around a random indoor place.
-        refresh_radii: Metres; standard deviations of the second heat map.
+    The first heat map is around the middle of the map, with a standard deviation of ``radius``, m. The
+    refresh, ``refresh_time`` s into the match, is around a random indoor place, with one of the
+    ``refresh_radii``.
     """
 
     def draw(dice: RandomStream) -> MatchSpec:
@@ -79,32 +73,20 @@ def battle(
 
 
 def capture(time_limit: float, robots: int) -> Callable[[RandomStream], MatchSpec]:
-    """Return a function that draws matches in which one submission and seekers look for a hidden target.
-
-    Args:
-        time_limit: Seconds of game time.
-        robots: Number of teammates.
-    """
+    """Return a function that draws matches in which one submission and seekers look for a hidden target."""
     seats = (SUBMISSION, *("seeker",) * robots)
     return lambda _: MatchSpec(track="capture", time_limit=time_limit, seats=seats)
 
 
 def royale(time_limit: float, robots: int) -> Callable[[RandomStream], MatchSpec]:
-    """Return a function that draws matches of one submission against robots, each on its own.
-
-    Args:
-        time_limit: Seconds of game time.
-        robots: Number of opponents.
-    """
+    """Return a function that draws matches of one submission against robots, each on its own."""
     return lambda dice: MatchSpec(track="royale", time_limit=time_limit, seats=battle_seats(dice, robots))
 
 
 def track_defaults(track: str, time_limit: float, robots: int) -> Callable[[RandomStream], MatchSpec]:
     """Return a function that draws matches of one submission against a track's robots, in random seats.
 
-    Args:
-        time_limit: Seconds of game time at most; less if the track's default is less.
-        robots: Number of opponents at most; fewer if the track's default is fewer.
+    Where the track's own defaults are less, time limit and robots are those.
     """
 
     def draw(dice: RandomStream) -> MatchSpec:

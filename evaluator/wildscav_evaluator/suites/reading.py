@@ -14,25 +14,18 @@ from wildscav_engine.specs.rules import NAMED
 from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
 from wildscav_evaluator.suites.match_drawing import choose
 from wildscav_evaluator.suites.suite import Reference, Suite, TrackSettings
+from wildscav_evaluator.suites.wild import FAIR_RULES
 
 WALKING_TIME = 120.0  # s, to find a target
 GATHERING_TIME, HOT_SPOT_TIME = 75.0, 25.0  # s, of a match with supplies, and of a place of its hot spot
 ROYALE_TIME = 90.0  # s
 MATCHES = 6  # on each track: with fewer, no two submissions can be told apart
 RULES = NAMED["fair"]
-# As in the suite "fair": no single death decides, and kills count.
-FIGHTING_RULES = RULES._replace(
-    spare_ammo=300, respawn_time=15.0, invincible_time=2.0, supply_loss=0.25, bounty=20
-)
 FEW_BOXES = SupplyWave(center=(0.0, 0.0), radius=60.0, outdoor_richness=2.0, indoor_richness=2.0)
 
 
 def open_country(*sizes: int) -> Callable[[RandomStream], MapConfig]:
-    """Return a function that draws the configs of maps of hills with a few houses and trees.
-
-    Args:
-        sizes: Metres, from which it chooses.
-    """
+    """Return a function that draws the configs of maps, of some sizes, m, of hills with few houses."""
 
     def draw(dice: RandomStream) -> MapConfig:
         size = choose(dice, sizes)
@@ -63,13 +56,7 @@ def supplies_at_hot_spots() -> SupplyConfig:
 def settings(
     map_config: Callable[[RandomStream], MapConfig], robots: tuple[str, ...] = (), **match: object
 ) -> TrackSettings:
-    """Return the settings of a track whose matches differ only in their maps and seeds.
-
-    Args:
-        map_config: Draws the config of a map.
-        robots: The opponents.
-        match: Further fields of every match.
-    """
+    """Return the settings of a track whose matches differ only in their maps and seeds."""
     spec = MatchSpec.model_validate(
         {"rules": RULES, **match, "seats": (SUBMISSION, *robots), "clock": "paused"}
     )
@@ -96,7 +83,7 @@ READING = Suite(
             track="battle",
             time_limit=GATHERING_TIME,
             supplies=supplies_at_hot_spots(),
-            rules=FIGHTING_RULES,
+            rules=FAIR_RULES,
         ),
         "royale": settings(
             open_country(100),

@@ -34,16 +34,10 @@ class SuiteSeed:
         return label(None if self.commitment else self.value, self.commitment)
 
     def private(self, spec: MatchSpec, digests: Sequence[str]) -> tuple[int, ...]:
-        """Return the private seeds that the agents in a match are told.
+        """Return the private seeds that the agents in a match are told, 63 bits each, in the order of seats.
 
         Each depends on the submission, so what one agent noted with its seed is of no use to the next, and
         reveals nothing about this seed.
-
-        Args:
-            digests: Of the submissions, in the order of their seats.
-
-        Returns:
-            The seed of each submission's seat, 63 bits.
         """
         key, match = str(self.value).encode(), spec.model_dump_json()
         return tuple(
@@ -60,11 +54,7 @@ def label(seed: int | None, commitment: str | None) -> str:
 
 
 def read_secret(path: Path) -> SuiteSeed:
-    """Return the seed that a secret determines.
-
-    Raises:
-        UserError: The file cannot be read, or is too short or too long to be a secret.
-    """
+    """Return the seed that a secret determines; UserError if the file cannot be read, or can be no secret."""
     try:
         content = read_limited(path, LARGEST)
     except OSError as error:

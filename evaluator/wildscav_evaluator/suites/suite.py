@@ -78,13 +78,9 @@ class Suite:
         return f"{self.name}@{self.version}" if self.version else self.name
 
     def matches(self, track: str, seed: int) -> tuple[MatchSpec, ...]:
-        """Return the matches that evaluate a submission on a track.
+        """Return the matches that evaluate a submission on a track; each seed gives other maps and matches.
 
-        Args:
-            seed: Any integer; each gives different maps and matches.
-
-        Raises:
-            UserError: The matches do not all ask for the same metrics, so that they have no mean.
+        UserError if they do not all ask for the same metrics, so that they have no mean.
         """
         settings = self.tracks[track]
         clock = {} if self.clock is None else dict(self.clock)
@@ -104,11 +100,7 @@ class Suite:
 
 
 def check_suite(name: str, suite: Any) -> Suite:
-    """Return the suite that an entry point names, with the version of its package.
-
-    Raises:
-        ValueError: It is not a suite of that name.
-    """
+    """Return the suite that an entry point names, with its package's version; ValueError if it is none."""
     if not isinstance(suite, Suite):
         raise ValueError("it is no Suite")
     if suite.name != name:
@@ -131,16 +123,7 @@ SUITES: Registry[Suite] = Registry(
 
 
 def suite(track: str, name: str, seed: int) -> tuple[MatchSpec, ...]:
-    """Return the matches that evaluate a submission on a track.
-
-    Args:
-        track: A name in ``wildscav_engine.tracks.TRACKS``.
-        name: A name in ``SUITES``.
-        seed: Any integer; each gives different maps and matches.
-
-    Raises:
-        ValueError: There is no such suite, or it does not have the track.
-    """
+    """Return the matches of a suite on a track, by their names; ValueError if there is no such one."""
     if name not in SUITES:
         raise ValueError(f"there is no suite {name!r}; the suites are {', '.join(SUITES)}")
     chosen = SUITES[name]
@@ -156,21 +139,13 @@ def _dice(track: str, name: str, seed: int) -> RandomStream:
 
 
 def matches_in_rounds(suite: Suite, track: str, seed: int, rounds: int) -> tuple[MatchSpec, ...]:
-    """Return the matches of a suite on a track, played in rounds of consecutive seeds.
-
-    Raises:
-        UserError: There are too many.
-    """
+    """Return the matches of a suite on a track, played in rounds of consecutive seeds."""
     match_count(suite, track, rounds)
     return tuple(spec for turn in range(rounds) for spec in suite.matches(track, seed + turn))
 
 
 def match_count(suite: Suite, track: str, rounds: int) -> int:
-    """Return how many matches a suite has on a track.
-
-    Raises:
-        UserError: There are too many.
-    """
+    """Return how many matches a suite has on a track; UserError if there are too many."""
     settings = suite.tracks[track]
     count = settings.maps * settings.episodes * rounds
     if count > MAX_MATCHES:

@@ -132,11 +132,7 @@ class SuiteFile(Section):
 
 
 def find_suite(name: str) -> Suite:
-    """Return the suite with a name, or from a TOML file.
-
-    Raises:
-        UserError: There is none, or the file is not valid.
-    """
+    """Return the suite with a name, or from a TOML file; UserError if there is none, or it is not valid."""
     if name in SUITES:
         return SUITES[name]
     if not name.endswith(SUFFIX):
@@ -151,8 +147,7 @@ def find_suite(name: str) -> Suite:
 def read_suite(path: Path) -> Suite:
     """Read an organizer's own suite, and check every value that it may draw.
 
-    Raises:
-        UserError: The file cannot be read or is not valid; one line says which field is wrong, and how.
+    UserError if it is not valid; one line says which field is wrong, and how.
     """
     try:
         source = read_config(path, f"{__name__}:try_suite")
@@ -162,25 +157,12 @@ def read_suite(path: Path) -> Suite:
 
 
 def try_suite(path: str) -> None:
-    """Read a suite's file in the calling process.
-
-    Raises:
-        UserError: It is not valid.
-        OSError: It cannot be read.
-    """
+    """Read a suite's file in the calling process; UserError if it is not valid."""
     parse_suite(Path(path), read_limited(Path(path), LARGEST))
 
 
 def parse_suite(path: Path, source: bytes) -> Suite:
-    """Return the suite that the content of a file describes.
-
-    Args:
-        path: Its path, for errors.
-        source: Its content.
-
-    Raises:
-        UserError: It is not valid.
-    """
+    """Return the suite that the content of a file describes; UserError, with its path, if it is not valid."""
     try:
         content = tomllib.loads(source.decode())
     except RecursionError:
@@ -234,11 +216,7 @@ def _track_settings(track: str, part: TrackSection) -> TrackSettings:
 
 
 def _check_longest(fields: Fields, part: TrackSection, where: str) -> None:
-    """Check that even the match with the most steps can end within the longest time.
-
-    Raises:
-        ValueError: It cannot.
-    """
+    """Check that even the match with the most steps can end within the longest time, or ValueError."""
     chosen = {path: values[0] for path, values in part.choose.items()}
     for path, worst in (("time_limit", max), ("frames_per_action", min)):
         if path in chosen:
@@ -252,11 +230,7 @@ def _check_longest(fields: Fields, part: TrackSection, where: str) -> None:
 def _drawer(
     kind: type[AnySpec], fields: Fields, choices: Mapping[str, list[Any]], where: str
 ) -> Callable[[RandomStream], AnySpec]:
-    """Return a function that draws specs of some kind, after checking every value that it may draw.
-
-    Raises:
-        ValueError: A field or a value is not allowed.
-    """
+    """Return a function that draws specs of some kind, after checking every value that it may draw."""
     first = {path: values[0] for path, values in choices.items()}
     for path, values in {"": [None], **choices}.items():
         for value in values:
@@ -296,11 +270,7 @@ def _allowed(kind: type[AnySpec], error: ValidationError) -> str:
 
 
 def _put(fields: Fields, path: str, value: Any, where: str) -> None:
-    """Set a field by its path, such as ``supplies.waves.0.radius``.
-
-    Raises:
-        ValueError: There is no such field.
-    """
+    """Set a field by its path, such as ``supplies.waves.0.radius``; ValueError if there is no such field."""
     names = path.split(".")
     last = names[-1]
     place: Any = fields

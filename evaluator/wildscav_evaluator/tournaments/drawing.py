@@ -50,17 +50,12 @@ def tournament_matches(
 ) -> tuple[TournamentMatch, ...]:
     """Return the matches of a tournament, in the order of its schedule.
 
-    Args:
-        suite: The suite from which the maps and everything else but the seats are drawn.
-        seed: Any integer; each gives another schedule, other maps and other matches.
-        rounds: How many rounds the schedule has.
-        settings: Who sits where.
-        entrants: The names of the entrants, sorted; those of robots begin with ``robot:``.
-
-    Raises:
-        UserError: There is no such schedule, or the suite's matches cannot be played by so many seats.
+    The names of the entrants are sorted; those of robots begin with ``robot:``. UserError if there is no such
+    schedule, or the suite's matches cannot be played by so many seats.
     """
-    schedule = _schedule(_seed(f"tournament/{suite.name}/{track}/{seed}"), rounds, settings, entrants)
+    digest = blake2b(f"tournament/{suite.name}/{track}/{seed}".encode(), digest_size=8).digest()
+    drawn = int.from_bytes(digest, "little")
+    schedule = _schedule(drawn, rounds, settings, entrants)
     games = suite_games(suite, track, seed, int(schedule.games.max()) + 1)
     try:
         return tuple(_matches(games, schedule, settings, entrants))
@@ -73,11 +68,7 @@ def tournament_matches(
 
 
 def tournament_match_count(rounds: int, settings: TournamentSettings, entrants: Sequence[str]) -> int:
-    """Return how many matches a tournament has, which does not depend on its seed.
-
-    Raises:
-        UserError: There is no such schedule.
-    """
+    """Return how many matches a tournament has, whatever its seed; UserError if there is no such schedule."""
     groups = None if settings.meet_own else groups_of(entrants)
     with _refusing(settings, entrants):
         places = entrants_of_game(settings.seats, settings.team_size, settings.mixed)
@@ -118,10 +109,6 @@ def _advice(settings: TournamentSettings, entrants: Sequence[str]) -> str:
     return "; --meet-own lets entries of one submission meet"
 
 
-def _seed(text: str) -> int:
-    return int.from_bytes(blake2b(text.encode(), digest_size=8).digest(), "little")
-
-
 def suite_games(suite: Suite, track: str, seed: int, count: int) -> list[MatchSpec]:
     """Return the first matches of a suite, played in rounds of consecutive seeds."""
     settings = suite.tracks[track]
@@ -156,12 +143,7 @@ def _places(game: MatchSpec, settings: TournamentSettings) -> tuple[str, ...]:
 
 
 def is_of_game(spec: MatchSpec, game: MatchSpec, rated: Sequence[int], settings: TournamentSettings) -> bool:
-    """Return whether a match is of a game, whichever entrants sit in it.
-
-    Args:
-        game: The match of the suite, which has the map and everything else but the seats.
-        rated: The seats of entrants.
-    """
+    """Return whether a match is of a suite's game, whichever entrants sit in the ``rated`` seats."""
     places = _places(game, settings)
     free = tuple(seat for seat, place in enumerate(places) if place == SUBMISSION)
     if len(spec.seats) != len(places) or tuple(rated) != free:
@@ -178,9 +160,7 @@ def with_seats(
 ) -> MatchSpec:
     """Return a match with other seats and their teams.
 
-    Args:
-        rated: The seats of entrants; the first ``team_size`` of them form a team, and so on.
-        settings: The size of a team.
+    Of the ``rated`` seats, those of entrants, the first ``team_size`` form a team, and so on.
     """
     team = {seat: place // settings.team_size for place, seat in enumerate(rated)}
     others = [seat for seat in range(len(seats)) if seat not in team]

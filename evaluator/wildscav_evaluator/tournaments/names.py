@@ -29,15 +29,12 @@ def groups_of(entrants: Sequence[str]) -> list[int]:
 def with_unique_names(submissions: Sequence[Submission], *, meet_own: bool) -> tuple[Submission, ...]:
     """Return submissions with unique names, sorted by name.
 
-    Args:
-        submissions: The submissions, in any order.
-        meet_own: Whether the same files may be entered several times.
-
-    Raises:
-        UserError: The same files are entered several times, but entries of one submission must not meet.
+    UserError if the same files are entered several times, unless entries of one submission may meet
+    (``meet_own``).
     """
     renamed = []
-    for _, same in groupby(sorted(submissions, key=_key), key=lambda one: one.name):
+    in_order = sorted(submissions, key=lambda one: (one.name, one.manifest.version, one.digest))
+    for _, same in groupby(in_order, key=lambda one: one.name):
         entries = tuple(same)
         names = _names(entries)
         if len(set(names)) < len(names):
@@ -50,10 +47,6 @@ def with_unique_names(submissions: Sequence[Submission], *, meet_own: bool) -> t
             names = [f"{name}{ENTRY}{number}" for number, name in enumerate(names, start=1)]
         renamed += [replace(one, entered_as=name) for one, name in zip(entries, names, strict=True)]
     return tuple(sorted(renamed, key=lambda one: one.name))
-
-
-def _key(submission: Submission) -> tuple[str, str, str]:
-    return submission.name, submission.manifest.version, submission.digest
 
 
 def _names(entries: Sequence[Submission]) -> list[str]:

@@ -17,8 +17,7 @@ def placing_metric(metrics: Sequence[MetricInfo]) -> MetricInfo:
 def rated_matches(results: Results, repeats: int) -> Iterator[RatedMatch]:
     """Yield the matches of a tournament that have a result, in the order of its schedule.
 
-    Args:
-        repeats: How often each game was played, in consecutive matches.
+    Each game was played ``repeats`` times, in consecutive matches.
     """
     metric = placing_metric(results.evaluations[0].metrics)
     for index, seats in sorted(_seats_by_match(results.evaluations).items()):

@@ -111,11 +111,7 @@ def _draw_games(groups: tuple[int, ...], places: int, rounds: int, draws: Draws)
 
 
 def entrants_of_game(seats: int, team_size: int, mixed: bool) -> int:
-    """Return the number of entrants in a game.
-
-    Raises:
-        ValueError: The seats cannot be divided so, or a game would have less than two entrants.
-    """
+    """Return the number of entrants in a game; ValueError if there are no two, or no whole teams."""
     if team_size < 1 or seats < 1 or seats % team_size:
         raise ValueError(f"{seats} seats cannot be divided into teams of {team_size}")
     places = seats if mixed else seats // team_size
@@ -129,11 +125,7 @@ def entrants_of_game(seats: int, team_size: int, mixed: bool) -> int:
 def check_schedule(
     entrants: int, places: int, seats: int, rounds: int, repeats: int, groups: Sequence[int] | None
 ) -> None:
-    """Check the other arguments of `make_schedule`, for games of so many places for entrants.
-
-    Raises:
-        ValueError: There is no such schedule, or it would be too long.
-    """
+    """Check the other arguments of `make_schedule`, for games of so many places for entrants."""
     if not FEWEST_ENTRANTS <= entrants <= MAX_ENTRANTS:
         raise ValueError(f"a tournament has {FEWEST_ENTRANTS} to {MAX_ENTRANTS:,} entrants, not {entrants:,}")
     if entrants < places:

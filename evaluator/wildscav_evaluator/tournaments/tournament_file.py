@@ -67,11 +67,7 @@ class Tournament(WithOptionalFields):
 
 
 def tournament_of(results: Results) -> Tournament:
-    """Return the ratings that follow from the results of a tournament.
-
-    Raises:
-        ValueError: They are not those of a tournament, or not of one that can be rated.
-    """
+    """Return the ratings that follow from a tournament's results; ValueError if these cannot be rated."""
     settings, evaluations = results.tournament, results.evaluations
     if settings is None or not evaluations or len(results.tracks) != 1:
         raise ValueError("the results are not those of a tournament on one track")
@@ -94,12 +90,7 @@ def tournament_of(results: Results) -> Tournament:
 
 
 def check_tournament(out: Path, results: Results) -> str:
-    """Return why a folder's ratings do not follow from its results; an empty text if they do.
-
-    Args:
-        out: The folder; it may have no ratings.
-        results: The results in it, or those that follow from its records.
-    """
+    """Return why the ratings in a folder, if any, do not follow from some results; nothing if they do."""
     path = out / TOURNAMENT_FILE
     try:
         reported = Tournament.read(path)

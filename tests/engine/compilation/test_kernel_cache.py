@@ -85,11 +85,6 @@ def said_by(process: "subprocess.Popen[str]") -> tuple[Path, list[str], list[Any
     return Path(file).parents[1], compiled, values
 
 
-@pytest.mark.slow
-def test_another_copy_of_the_engine_compiles_nothing_again(folder: Path) -> None:
-    assert said_by(start(HERE, folder)) == (HERE, [], VALUES)
-
-
 def test_where_the_engine_lies_is_in_nothing_that_is_kept(kept: Path, elsewhere: Path) -> None:
     files = list(kept.rglob("*.nb*"))
     assert len(files) == 2 * len(COMPILED)
@@ -105,7 +100,7 @@ def test_after_an_edit_of_a_constant_what_reads_it_is_compiled_anew(folder: Path
 
 
 @pytest.mark.slow
-def test_what_is_damaged_is_compiled_again(folder: Path) -> None:
+def test_another_copy_of_the_engine_compiles_again_only_what_is_damaged(folder: Path) -> None:
     for file in folder.rglob("*.sine-*.nbc"):
         file.write_bytes(file.read_bytes()[:100])
     for file in folder.rglob("*is_steep-*.nbi"):

@@ -7,11 +7,11 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.spaces import Box
+from gymnasium.vector import SyncVectorEnv
 from numpy.typing import NDArray
-from tests.engine.envs.common import OPEN, digest, env_id, many_options, options
+from tests.engine.envs.common import OPEN, batch_of, digest, env_id, many_options, options, play_alike
 
 from wildscav_engine.envs import BatchedArena, Learners, SingleEnv, VectorArena, describe, parallel_env
-from wildscav_engine.envs.spaces.observation import part_of
 from wildscav_engine.specs.actions import Field
 
 PLAIN: dict[str, Any] = {"sensors": {}, "action_mode": "multidiscrete", "time_limit": 0.6}
@@ -59,36 +59,12 @@ def test_what_functions_pay_is_added_to_the_terms_and_told_by_name() -> None:
     assert env.observation_space.contains(seen)
 
 
-def step(env: SingleEnv, action: Any, *, over: bool) -> tuple[Any, float, bool]:
-    """Play a step, or begin the next episode as the next-step mode does."""
-    if over:
-        return env.reset()[0], 0.0, False
-    seen, reward, terminated, truncated, _ = env.step(action)
-    return seen, float(reward), terminated or truncated
-
-
-@pytest.mark.parametrize("flat", [False, True])
 @pytest.mark.parametrize("mode", ["SameStep", "NextStep"])
-def test_rows_are_single_environments(mode: str, flat: bool) -> None:
-    chosen, trail = options("gathering", **PLAIN, flat=flat), Trail()
-    vector: Any = VectorArena(
-        "gathering", 3, autoreset_mode=mode, **chosen, **own(observers={"trail": trail})
-    )
-    singles = [SingleEnv("gathering", **chosen, **own()) for _ in range(3)]
-    vector.reset(seed=2)
-    for row, env in enumerate(singles):
-        env.reset(seed=2 + row)
-    over = np.zeros(3, bool)
-    vector.action_space.seed(0)
-    for _ in range(15):
-        actions = vector.action_space.sample()
-        many, rewards, *_ = vector.step(actions)
-        for row, env in enumerate(singles):
-            seen, reward, over[row] = step(env, actions[row], over=over[row])
-            if mode == "SameStep" and over[row]:
-                seen, _, over[row] = step(env, None, over=True)
-            assert rewards[row] == reward
-            assert digest(part_of(many, row)) == digest(seen)
+def test_rows_are_single_environments(mode: Any) -> None:
+    chosen, trail = options("gathering", **PLAIN), Trail()
+    ours = VectorArena("gathering", 3, autoreset_mode=mode, **chosen, **own(observers={"trail": trail}))
+    singles = [lambda: SingleEnv("gathering", **chosen, **own())] * 3
+    play_alike(ours, SyncVectorEnv(singles, autoreset_mode=mode), steps=15)
     assert set(trail.asked) == {3}  # all rows in one call, also when they begin anew
 
 
@@ -111,12 +87,12 @@ def test_several_learners_are_asked_together_and_nothing_is_paid_after_the_end()
     env.reset(seed=3)
     batch.reset(seed=3)
     for _ in range(4):
-        env.arena.batch.state.agents.eliminated[0, 2] = 5  # type: ignore[union-attr]
-        batch.arena.batch.state.agents.eliminated[0, 2] = 5  # type: ignore[union-attr]
-        one, rewards, *_ = env.step(dict.fromkeys(env.agents, FIGHT))
+        for one in (env, batch):
+            batch_of(one).state.agents.eliminated[0, 2] = 5
+        seen, rewards, *_ = env.step(dict.fromkeys(env.agents, FIGHT))
         outcome: Any = batch.step(np.tile(FIGHT, (2, 3, 1)))
         for seat, agent in enumerate(env.agents):
-            assert digest(one[agent]["trail"]) == digest(outcome.observation["trail"][0, seat])
+            assert digest(seen[agent]["trail"]) == digest(outcome.observation["trail"][0, seat])
             assert rewards[agent] == outcome.rewards[0, seat] > 0.0
     assert set(trail.asked) == {3}
     assert env.agents == ["agent_0", "agent_1"]
@@ -167,12 +143,11 @@ def test_states_and_forks_go_on_alike() -> None:
 
 
 def test_a_fork_copies_an_object_that_pays_and_observes_once() -> None:
-    both = Fixed(0.5, Box(-1, 1, ()))
-    own = {"reward_functions": {"x": both}, "observers": {"x": both}}
-    env = SingleEnv("navigation", **options("navigation", **PLAIN), **own)
+    both = {"x": Fixed(0.5, Box(-1, 1, ()))}
+    env = SingleEnv("navigation", **options("navigation", **PLAIN), reward_functions=both, observers=both)
     env.reset(seed=1)
     config = env.fork().config
-    assert config.observers["x"] is config.reward_functions["x"] is not both
+    assert config.observers["x"] is config.reward_functions["x"] is not both["x"]
 
 
 def test_nothing_of_the_match_can_be_written() -> None:
@@ -224,7 +199,7 @@ class Fixed:
     [
         (
             Fixed(0.5),
-            r"^the observer 'x' returned float64 of shape \(.,\), must be float32 of shape \(., 2\)$",
+            r"^the observer 'x' returned float64 of shape \(.,\), must be float32 of shape \(., 2\)",
         ),
         (Fixed((1.0, float("nan"))), "^the observer 'x' returned a number that is not finite$"),
         (Fixed((1.0, 1e300)), "^the observer 'x' returned a number that is not finite$"),
@@ -248,10 +223,7 @@ def test_what_is_returned_wrongly_is_told_in_one_sentence(wrong: Any, message: s
     [
         ({"reward_functions": {"x": 3}}, "^reward_functions: 'x' is 3, must be a function or an object that"),
         ({"reward_functions": {"x": Trail}}, "^reward_functions: 'x' is <class .*, must be a function"),
-        (
-            {"reward_functions": {"x": lambda: 0}},
-            "^reward_functions: 'x' must take one argument, the learners",
-        ),
+        ({"reward_functions": {"x": lambda: 0}}, "^reward_functions: 'x' must take one argument, the learn"),
         ({"reward_functions": {"step": speed}}, "^reward_functions: 'step' is the name of a reward term"),
         ({"reward_functions": speed}, "^reward_functions: Input should be a valid dictionary"),
         ({"observers": {"x": speed}}, "^observers: the space of 'x' is None, must be a Box of numbers$"),

@@ -17,20 +17,18 @@ def run(code: str) -> None:
     "code",
     [
         f"import gymnasium, pettingzoo, wildscav_engine; {KNOWN}",
-        f"import wildscav_engine, gymnasium, wildscav_engine.envs.parallel, pettingzoo; {KNOWN}",
+        # The engine imports no library for several agents, and watches no imports.
+        (
+            "import sys, wildscav_engine.simulation.match, wildscav_engine.sensors\n"
+            "assert 'pettingzoo' not in sys.modules\n"
+            "assert not [one for one in sys.meta_path if type(one).__module__.startswith('wildscav')]\n"
+            f"import gymnasium, wildscav_engine.envs.parallel, pettingzoo; {KNOWN}"
+        ),
         "import gymnasium; gymnasium.make('wildscav_engine:WildScav/Battle-v1')",
     ],
 )
 def test_ids_are_known_once_the_engine_or_its_environments_are_imported(code: str) -> None:
     run(code)
-
-
-def test_the_engine_imports_no_library_for_several_agents_and_watches_no_imports() -> None:
-    run(
-        "import sys, wildscav_engine.simulation.match, wildscav_engine.sensors\n"
-        "assert 'pettingzoo' not in sys.modules\n"
-        "assert not [one for one in sys.meta_path if type(one).__module__.startswith('wildscav')]"
-    )
 
 
 def test_a_star_import_works_without_optional_libraries() -> None:

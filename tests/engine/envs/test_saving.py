@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.engine.envs.common import TRACK_NAMES, digest, many_options, options
+from tests.engine.envs.common import TRACK_NAMES, batch_of, digest, many_options, options
 
 from wildscav_engine.envs import BatchedArena, SingleEnv, VectorArena, parallel_env
 from wildscav_engine.simulation.snapshot import StateError
@@ -34,7 +34,7 @@ def test_a_fork_and_a_state_put_back_go_on_as_the_first(track: str) -> None:
 def test_forks_of_several_learners_keep_who_is_out() -> None:
     env = parallel_env("royale", **many_options("royale", action_mode="multidiscrete", zone={"phases": ()}))
     env.reset(seed=0)
-    env.arena.batch.state.agents.damage[0, 1] = 1000  # type: ignore[union-attr]
+    batch_of(env).state.agents.damage[0, 1] = 1000
     still = np.array([0, 0, 3, 2, 0, 0, 0, 0])
     env.step(dict.fromkeys(env.agents, still))
     fork = env.fork()

@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from tests.engine.envs.common import OPEN, SMALL, TRACK_NAMES, digest, env_id, options
+from tests.engine.envs.common import OPEN, SMALL, TRACK_NAMES, batch_of, digest, env_id, options
 
 from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.settings.episodes import Episodes, Plan
@@ -15,11 +15,11 @@ from wildscav_engine.envs.single import SingleEnv
 from wildscav_engine.envs.spaces.actions import MODES
 from wildscav_engine.envs.spaces.columns import EVENTS
 from wildscav_engine.rendering.palette import of_seat
-from wildscav_engine.sensors import SENSORS, Lidar
+from wildscav_engine.sensors import SENSORS
 from wildscav_engine.specs.map_spec import MapConfig
-from wildscav_engine.specs.rules import NAMED
 from wildscav_engine.tracks import TRACKS
 
+SEEN = MapConfig(pieces="seen")
 TINY = {"depth": {"width": 4, "height": 3}, "camera": {"width": 8, "height": 6}, "lidar": {"azimuths": 8}}
 
 
@@ -99,17 +99,6 @@ def test_time_that_is_up_truncates_and_a_target_that_is_reached_terminates_and_p
         env.step(0)
 
 
-def test_what_was_returned_never_changes() -> None:
-    env = SingleEnv("gathering", **options("gathering"))
-    env.action_space.seed(0)
-    kept = [env.reset(seed=1)[0]]
-    before = [digest(kept[0])]
-    for _ in range(10):
-        kept.append(env.step(env.action_space.sample())[0])
-        before.append(digest(kept[-1]))
-    assert [digest(observation) for observation in kept] == before
-
-
 @pytest.mark.parametrize(("split", "odd"), [("train", 0), ("test", 1)])
 def test_train_and_test_episodes_share_neither_seeds_nor_maps(split: str, odd: int) -> None:
     env = SingleEnv("navigation", map=SMALL.config, split=split, random_maps=2, sensors={})
@@ -128,42 +117,30 @@ def test_pieces_of_maps_for_testing_are_unseen_in_training_if_wished(
 ) -> None:
     env = SingleEnv("navigation", map=SMALL.config, split=split, unseen=unseen, random_maps=2, sensors={})
     env.reset(seed=1)
-    assert env.arena.batch is not None
-    assert env.arena.batch.specs[0].map.config.pieces == pieces
+    assert batch_of(env).specs[0].map.config.pieces == pieces
 
 
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"unseen": True, "map": 104}, "unseen is True, but map names fixed maps; only random maps"),
-        ({"unseen": True, "map": (104, 105)}, "unseen is True, but map names fixed maps; only random maps"),
-        ({"unseen": True, "map": SMALL}, "unseen is True, but map names fixed maps; only random maps"),
+        *(({"unseen": True, "map": fixed}, "but map names fixed maps") for fixed in (104, (104, 105), SMALL)),
         ({"unseen": True, "map": OPEN.config}, "the map config has no houses and no towns"),
         (
-            {"unseen": True, "map": MapConfig(pieces="seen")},
-            "unseen is True, but the map config chooses the pieces itself: 'seen'",
+            {"unseen": True, "map": SEEN},
+            "but the map config chooses the pieces itself: 'seen'",
         ),
         ({"sensors": {"sonar": {}}}, "there is no sensor 'sonar'"),
         ({"rewards": {"luck": 1.0}}, "there is no reward term 'luck'"),
         (
             {"action_mode": "piano"},
-            "action_mode: Input should be 'dict', 'box', 'baseline', 'multidiscrete', 'fine' or 'keys'",
+            "action_mode: Input should be 'dict', 'box', 'baseline', 'multidiscr",
         ),
         ({"opponents": ("hunter",)}, "opponents.0: there is no robot 'hunter'"),
-        (
-            {"opponents": ("walker", "figther")},
-            r"opponents.1: there is no robot 'figther' \(did you mean 'fighter'",
-        ),
+        ({"opponents": ("walker", "figther")}, r"opponents.1: .* 'figther' \(did you mean 'fighter'"),
         ({"opponents": "fighter"}, "opponents: 'fighter' is not a list with an entry for each seat"),
-        (
-            {"opponents": ("agents/hunter",)},
-            r"given as wildscav_training\.opponents.submission",
-        ),
+        ({"opponents": ("agents/hunter",)}, r"given as wildscav_training\.opponents.submission"),
         ({"map": 1000}, "maps have the ids 1 to 999"),
-        (
-            {"preset": "paper-capture"},
-            "preset 'paper-capture' is for the track 'capture', not for 'navigation'",
-        ),
+        ({"preset": "paper-capture"}, "preset 'paper-capture' is for the track 'capture', not for 'navig"),
         ({"agents": 2}, "must be 1; use parallel_env"),
         ({"rules": "unfair"}, "rules: no rules are called 'unfair'; allowed are original, fair"),
     ],
@@ -188,15 +165,6 @@ def test_who_sees_pixels_alone_gets_no_lists() -> None:
         SingleEnv("battle", map=SMALL, rules=rules, sensors={"sights": {}, "teammates": {}, "depth": {}})
 
 
-def test_fair_rules_may_be_named() -> None:
-    env = SingleEnv(
-        "battle", map=SMALL, rules="fair", opponents=("fighter",), sensors={"lidar": {"moving": True}}
-    )
-    assert env.arena.template.rules == NAMED["fair"]
-    assert env.arena.config.read_sensors()["lidar"] == Lidar()
-    check_env(env, skip_render_check=True)
-
-
 def test_an_unknown_option_is_refused_as_python_refuses_unknown_arguments() -> None:
     """TorchRL tells by the kind of the error, and by these words, that it may leave an argument out."""
     with pytest.raises(
@@ -219,7 +187,8 @@ def test_the_paper_presets_hold_an_action_for_15_frames_and_play_its_matches() -
     assert (spec.frames_per_action, spec.step_limit, spec.team_of_seats) == (15, 600, (0, 0, 0, 0))
     assert (len(env.arena.pool), env.config.map) == (1, 101)
     assert SingleEnv("navigation", preset="paper-navigation").arena.template.step_limit == 400
-    assert SingleEnv("capture", preset="paper-capture").arena.template.team_of_seats == (0, 0, 0, 0)
+    spec = SingleEnv("capture", preset="paper-capture").arena.template
+    assert (spec.step_limit, spec.team_of_seats) == (400, (0, 0, 0, 0))
 
 
 def test_a_ladder_has_the_company_of_a_level() -> None:
@@ -229,11 +198,6 @@ def test_a_ladder_has_the_company_of_a_level() -> None:
     assert SingleEnv("gathering", preset="ladder-gathering", level="easy").config.seats == ("submission",)
     with pytest.raises(ValueError, match=r"^level: Input should be"):
         SingleEnv("battle", preset="ladder-battle", level="hardest")
-
-
-@pytest.mark.parametrize(("track", "steps"), [("navigation", 400), ("gathering", 600), ("capture", 400)])
-def test_a_preset_has_as_many_actions_as_the_papers_episodes(track: str, steps: int) -> None:
-    assert SingleEnv(track, preset=f"paper-{track}").arena.template.step_limit == steps
 
 
 def test_a_picture_a_depth_map_and_a_view_from_above() -> None:
@@ -261,8 +225,7 @@ def test_the_view_from_above_marks_agents_in_the_colours_of_their_teams_where_th
         **options("battle", sensors={}, map=OPEN, starts=starts, render_mode="rgb_array", render_view="top"),
     )
     env.reset(seed=0)
-    assert env.arena.batch is not None
-    agents = env.arena.batch.state.agents
+    agents = batch_of(env).state.agents
     agents.yaw[0, 0] = 90.0
     picture = env.render()
     middles = []
@@ -280,10 +243,6 @@ def test_the_view_from_above_marks_agents_in_the_colours_of_their_teams_where_th
     assert np.ptp(tip) < np.ptp(back)  # it is pointed in the east and wide in the west
     agents.health[0, 1] = 0
     assert not (env.render() == of_seat(1)).all(axis=2).any()
-
-
-def test_nothing_is_shown_unless_asked_for() -> None:
-    assert SingleEnv("navigation", **options("navigation", sensors={})).render_mode is None
 
 
 def test_editors_know_every_option() -> None:

@@ -3,10 +3,9 @@
 import copy
 import functools
 import pickle
-import subprocess
-import sys
 import threading
 from collections.abc import Callable
+from itertools import product
 from typing import Any, ClassVar
 
 import gymnasium
@@ -15,7 +14,7 @@ import pytest
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from numpy.typing import NDArray
-from tests.engine.envs.common import SMALL, TRACK_NAMES, digest, env_id, options
+from tests.engine.envs.common import SMALL, batch_of, digest, env_id, options, play_alike
 
 from wildscav_engine.envs.batched import BatchedArena
 from wildscav_engine.envs.single import SingleEnv
@@ -37,71 +36,29 @@ SMALL_SENSORS = {"depth": {"width": 4, "height": 3}, "visible_agents": {}}
 ENVS = 3
 
 
-def made(
-    track: str, mode: AutoresetMode, envs: int = ENVS, **more: Any
-) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
-    return gymnasium.make_vec(
-        env_id(track),
-        num_envs=envs,
-        vectorization_mode="vector_entry_point",
-        autoreset_mode=mode,
-        **chosen(track, **more),
-    )
-
-
 def chosen(track: str, **more: Any) -> dict[str, Any]:
     return options(track, sensors=SMALL_SENSORS, action_mode="multidiscrete", time_limit=0.8, **more)
 
 
-@pytest.mark.parametrize("threads", [1, 2])
-@pytest.mark.parametrize("mode", AutoresetMode)
-@pytest.mark.parametrize("track", ["navigation", "royale"])
+EVERY_MODE = product(("navigation", "royale"), AutoresetMode, (1, 2))
+OTHER_TRACKS = product(("gathering", "capture", "battle"), (AutoresetMode.NEXT_STEP,), (2,))
+
+
+@pytest.mark.parametrize(("track", "mode", "threads"), [*EVERY_MODE, *OTHER_TRACKS])
 def test_rows_are_single_environments_in_every_autoreset_mode(
     track: str, mode: AutoresetMode, threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("wildscav_engine.simulation.batch.LEAST_AGENTS", 1)
     monkeypatch.setattr("wildscav_engine.sensors.optics.image_sensor.MIN_THREAD_TIME", 1)
-    ours = made(track, mode, threads=threads)
-    singles = [lambda: gymnasium.make(env_id(track), **chosen(track))] * ENVS
-    theirs = SyncVectorEnv(singles, autoreset_mode=mode)
-    assert ours.metadata["autoreset_mode"] == mode
-    assert digest(ours.reset(seed=5)) == digest(theirs.reset(seed=5))
-    ours.action_space.seed(1)
-    for _ in range(20):
-        actions = ours.action_space.sample()
-        one, other = ours.step(actions), theirs.step(actions)
-        assert ours.observation_space.contains(one[0])
-        assert digest(one) == digest(other)
-        ended = one[2] | one[3]
-        if mode == AutoresetMode.DISABLED and ended.any():
-            resets = [env.reset(options={"reset_mask": ended.copy()}) for env in (ours, theirs)]
-            assert digest(resets[0]) == digest(resets[1])
-
-
-def told_by(track: str, envs: int, steps: int = 12, **more: Any) -> list[Any]:
-    """Return what the first two rows are told, however many there are."""
-    vector = made(track, AutoresetMode.NEXT_STEP, envs, **more)
-    choices = np.random.default_rng(0).integers(
-        0, vector.single_action_space.nvec, (steps, 8, len(vector.single_action_space.nvec))
+    ours = gymnasium.make_vec(
+        env_id(track),
+        num_envs=ENVS,
+        vectorization_mode="vector_entry_point",
+        autoreset_mode=mode,
+        **chosen(track, threads=threads),
     )
-    told: list[Any] = [vector.reset(seed=9)[0]]
-    for step in range(steps):
-        observation, rewards, terminated, truncated, _ = vector.step(choices[step, :envs])
-        told.append((observation, rewards, terminated, truncated))
-    return [digest(_first_two(part)) for part in told]
-
-
-def _first_two(part: Any) -> Any:
-    if isinstance(part, dict):
-        return {name: np.ascontiguousarray(values[:2]) for name, values in part.items()}
-    if isinstance(part, tuple):
-        return [_first_two(item) for item in part]
-    return np.ascontiguousarray(part[:2])
-
-
-@pytest.mark.parametrize("track", TRACK_NAMES)
-def test_the_number_of_environments_does_not_matter(track: str) -> None:
-    two = told_by(track, 2)
-    assert told_by(track, 5) == two
+    singles = [lambda: gymnasium.make(env_id(track), **chosen(track))] * ENVS
+    play_alike(ours, SyncVectorEnv(singles, autoreset_mode=mode))
 
 
 TINY: dict[str, Any] = {"width": 8, "height": 6}
@@ -167,9 +124,8 @@ def test_threads_that_share_images_of_what_moves_change_no_bit(
         if thread is not main:
             helper_reads.set()
         elif shared:
-            assert helper_reads.wait(
-                300
-            )  # the main thread leaves something to the others, however busy they are
+            # The main thread leaves something to the others, however busy they are.
+            assert helper_reads.wait(300)
         return read(*given)
 
     monkeypatch.setattr(kind, method, noted)
@@ -274,39 +230,14 @@ def test_a_copy_plays_on_as_the_original(copied: Callable[[Any], Any], made: Cal
         assert digest(other.step(action)) == digest(env.step(action))
 
 
-def test_threads_and_processes_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> None:
-    alone = told_by("battle", 4)
-    monkeypatch.setattr("wildscav_engine.simulation.batch.LEAST_AGENTS", 1)
-    monkeypatch.setattr("wildscav_engine.sensors.optics.image_sensor.MIN_THREAD_TIME", 1)
-    assert told_by("battle", 4, threads=2) == alone
-    code = (
-        f"from hashlib import sha256; from {__name__} import told_by; "
-        "print(sha256(repr(told_by('battle', 4)).encode()).hexdigest())"
-    )
-    from hashlib import sha256
-
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == sha256(repr(alone).encode()).hexdigest()
-
-
 def test_maps_differ_between_matches_and_episodes() -> None:
     env = VectorArena("navigation", 4, map=SMALL.config, random_maps=3, sensors=SMALL_SENSORS, time_limit=0.2)
     env.reset(seed=0)
     env.action_space.seed(0)
-    seen = {tuple(spec.map.seed for spec in env.arena.batch.specs)}  # type: ignore[union-attr]
+    seen = {tuple(spec.map.seed for spec in batch_of(env).specs)}
     for _ in range(12):
         observation, *_ = env.step(env.action_space.sample())
-        seen.add(tuple(spec.map.seed for spec in env.arena.batch.specs))  # type: ignore[union-attr]
+        seen.add(tuple(spec.map.seed for spec in batch_of(env).specs))
         assert env.observation_space.contains(observation)
     assert len(seen) > 2
     assert len({seed for seeds in seen for seed in seeds}) == 3
-
-
-@pytest.mark.parametrize(
-    ("mask", "message"), [([True, False], "bool of shape"), (np.zeros(2, np.bool_), "True somewhere")]
-)
-def test_masks_that_are_none_are_refused(mask: Any, message: str) -> None:
-    env = VectorArena("navigation", 2, **chosen("navigation"))
-    env.reset(seed=0)
-    with pytest.raises(ValueError, match=message):
-        env.reset(options={"reset_mask": mask if isinstance(mask, np.ndarray) else np.array(mask, np.int64)})

@@ -56,6 +56,16 @@ def test_the_window_is_960_by_540_unless_asked_otherwise() -> None:
     env.close()
 
 
+def test_several_learners_share_a_window_and_a_vector_shows_its_first_match() -> None:
+    settings = chosen(render_mode="human", render_size=(160, 90))
+    vector = gymnasium.make_vec(env_id("battle"), 2, vectorization_mode="vector_entry_point", **settings)
+    for env in (ParallelArena("battle", agents=2, **settings), vector):
+        env.reset(seed=1)
+        assert shown().std() > 5.0
+        assert env.render() is None
+        env.close()
+
+
 def test_an_environment_plays_on_without_a_window_that_was_closed() -> None:
     env = SingleEnv("battle", **chosen(render_mode="human", render_size=(160, 90)))
     env.reset(seed=1)
@@ -64,28 +74,6 @@ def test_an_environment_plays_on_without_a_window_that_was_closed() -> None:
         env.step(env.action_space.sample())
     assert not pygame.display.get_init()
     env.close()
-
-
-def test_several_learners_share_a_window() -> None:
-    env = ParallelArena("battle", **chosen(agents=2, render_mode="human", render_size=(160, 90)))
-    env.reset(seed=1)
-    env.step({agent: env.action_space(agent).sample() for agent in env.agents})
-    assert shown().std() > 5.0
-    env.close()
-
-
-def test_gymnasium_makes_it_and_a_vector_shows_its_first_match() -> None:
-    settings = chosen(render_mode="human", render_size=(160, 90))
-    env = gymnasium.make(env_id("battle"), **settings)
-    env.reset(seed=1)
-    env.close()
-    envs = gymnasium.make_vec(
-        env_id("battle"), num_envs=2, vectorization_mode="vector_entry_point", **settings
-    )
-    envs.reset(seed=1)
-    assert shown().std() > 5.0
-    assert envs.render() is None
-    envs.close()
 
 
 def test_from_behind_an_agent_sees_itself() -> None:

@@ -22,18 +22,6 @@ def test_flat_environments_pass_gymnasiums_own_test(track: str) -> None:
     check_env(env, skip_render_check=True)
 
 
-@pytest.mark.parametrize("track", TRACK_NAMES)
-def test_environments_are_flat_as_the_wrapper_makes_them(track: str) -> None:
-    sensors = {**SENSORS, "segmentation": {"width": 4, "height": 3}, "compass": {}}
-    made = options(track, sensors=sensors, action_mode="box")
-    wrapped, flat = FlatObservations(SingleEnv(track, **made)), SingleEnv(track, **made, flat=True)  # type: ignore[arg-type]
-    assert wrapped.observation_space == flat.observation_space
-    assert wrapped.reset(seed=1)[0].tobytes() == flat.reset(seed=1)[0].tobytes()  # type: ignore[union-attr]
-    for _ in range(3):
-        action = np.ones(flat.action_space.shape, np.float32)  # type: ignore[arg-type]
-        assert wrapped.step(action)[0].tobytes() == flat.step(action)[0].tobytes()  # type: ignore[union-attr]
-
-
 def test_flat_numbers_are_those_of_the_dict_over_what_is_usual() -> None:
     env = SingleEnv("navigation", **options("navigation", sensors=SENSORS))
     observation, _ = env.reset(seed=1)

@@ -1,9 +1,7 @@
 """Records may be anybody's: whatever is in them, to read one has a price that is known."""
 
-import os
 import tracemalloc
 import zlib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,11 +9,9 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from wildscav_engine.record import (
-    FILE_LIMIT,
     Record,
     RecordError,
     check_recordable,
-    read_record,
     record_of,
     verify_record,
 )
@@ -56,24 +52,24 @@ def zeros(size: int) -> bytes:
     )
 
 
-def test_arrays_beyond_the_limit_are_refused_before_they_are_unpacked(record: Record) -> None:
-    header = header_of(record)
+def zeros_as_arrays(record: Record, steps: int) -> bytes:
+    """The bytes of a record of a long match whose arrays are zeros."""
     spec = record.spec.model_copy(update={"time_limit": 86_400.0, "frames_per_action": 1})
-    steps = 4_000_000
-    header |= {"spec": spec.model_dump(mode="json"), "steps": steps}
+    header = header_of(record) | {"spec": spec.model_dump(mode="json"), "steps": steps}
+    return pack(LAYOUT, header, zeros(steps * 40))
+
+
+def test_arrays_beyond_the_limit_are_refused_before_they_are_unpacked(record: Record) -> None:
+    data = zeros_as_arrays(record, 4_000_000)
     tracemalloc.start()
     with pytest.raises(RecordError, match="its arrays would have 160000000 bytes, 134217728 are allowed"):
-        decode(pack(LAYOUT, header, zeros(steps * 40)))
+        decode(data)
     assert tracemalloc.get_traced_memory()[1] < 40 * MIB
     tracemalloc.stop()
 
 
 def test_what_is_unpacked_is_in_memory_once(record: Record) -> None:
-    header = header_of(record)
-    spec = record.spec.model_copy(update={"time_limit": 86_400.0, "frames_per_action": 1})
-    steps = 1_000_000
-    header |= {"spec": spec.model_dump(mode="json"), "steps": steps}
-    data = pack(LAYOUT, header, zeros(steps * 40))
+    data = zeros_as_arrays(record, steps := 1_000_000)
     assert len(data) < MIB
     tracemalloc.start()
     assert decode(data).steps == steps
@@ -93,18 +89,6 @@ def test_half_a_million_faults_are_one_short_line(record: Record) -> None:
     with pytest.raises(RecordError, match="500,002 of its values are invalid") as caught:
         decode(pack(LAYOUT, header, b""))
     assert len(str(caught.value)) < 200
-
-
-def test_what_is_no_plain_file_is_not_waited_for(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "pipe.wsr")
-    (tmp_path / "endless.wsr").symlink_to("/dev/zero")
-    for name in ("pipe.wsr", "endless.wsr"):
-        with pytest.raises(RecordError, match=f"{name}: cannot be read: it is not a plain file"):
-            read_record(tmp_path / name)
-    with (tmp_path / "long.wsr").open("wb") as file:
-        file.truncate(FILE_LIMIT + 1)
-    with pytest.raises(RecordError, match="cannot be read: it has more than 136,314,880 bytes"):
-        read_record(tmp_path / "long.wsr")
 
 
 def test_a_match_is_refused_whose_record_could_not_be_read_again() -> None:

@@ -203,11 +203,6 @@ def a_hair_aside(way: NDArray[np.float64]) -> NDArray[np.float64]:
     return unit
 
 
-def repeated(answers: Met, ray: int, times: int) -> Met:
-    """Return one answer many times."""
-    return Met(*(np.repeat(part[ray : ray + 1], times, axis=0) for part in answers))
-
-
 def disagreements(
     surface: Surface, eye: NDArray[np.float64], ways: NDArray[np.float64], far: float, answers: Met
 ) -> tuple[list[str], int]:
@@ -228,7 +223,8 @@ def disagreements(
     faults, along_edges = [], 0
     for ray in np.flatnonzero(~good):
         aside = a_hair_aside(ways[ray])
-        if _agree(_meet_outside(surface, eye, aside, far), repeated(answers, ray, len(aside)), far).any():
+        answer = Met(*(np.repeat(part[ray : ray + 1], len(aside), axis=0) for part in answers))
+        if _agree(_meet_outside(surface, eye, aside, far), answer, far).any():
             along_edges += 1
             continue
         faults.append(

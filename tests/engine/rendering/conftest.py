@@ -1,7 +1,7 @@
 """Maps shared by the tests of images."""
 
 import pytest
-from tests.engine.rendering.countries import COUNTRIES, Country
+from tests.engine.rendering.views import COUNTRIES, Country
 
 from wildscav_engine.maps import generate_map
 

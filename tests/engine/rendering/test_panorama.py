@@ -10,7 +10,6 @@ from tests.builders import box, flat_world, map_from
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.geometry.rays import raycast
-from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.panorama import divide
@@ -43,30 +42,29 @@ def cast_alone(country: GameMap, eye: tuple[float, float, float], yaw: float, li
 
 
 @given(
-    x=st.floats(-29, 29),
-    z=st.floats(-29, 29),
+    where=st.sampled_from(["in the open", "in a house", "underground", "outside the map"]),
+    place=st.integers(0, 10**6),
     up=st.floats(0.3, 9),
-    yaw=st.floats(0, 360),
+    yaw=st.one_of(st.floats(0, 360), st.sampled_from([-45.0, 90.0])),
     azimuths=st.integers(1, 400),
     channels=st.integers(1, 9),
-    one=elevations,
-    other=elevations,
+    between=st.tuples(elevations, elevations),
 )
 def test_rays_hit_what_they_hit_alone(
     country: GameMap,
-    x: float,
-    z: float,
+    where: str,
+    place: int,
     up: float,
     yaw: float,
     azimuths: int,
     channels: int,
-    one: float,
-    other: float,
+    between: tuple[float, float],
 ) -> None:
-    eye = (x, ground_at(country.world, x, z).height + up, z)
-    lidar = Lidar(
-        channels=channels, azimuths=azimuths, lowest=min(one, other), highest=max(one, other), range=FAR
-    )
+    places = country.indoor if where == "in a house" else country.outdoor
+    x, y, z = places[place % len(places)]
+    y += {"in a house": 1.5, "underground": -50.0}.get(where, up)
+    eye = (x + 40.0 * (where == "outside the map"), y, z)
+    lidar = Lidar(channels, azimuths, range=FAR, lowest=min(between), highest=max(between))
 
     found = lidar.render(country, [eye], [yaw], [0.0])[0]
 

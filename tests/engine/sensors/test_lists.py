@@ -1,24 +1,24 @@
 """What agents see of each other and of supply boxes, as arrays: no more than the rules let them see."""
 
+import math
+from typing import Any
+
 import numpy as np
 import pytest
-from tests.builders import act, box, flat_world, make_match, place
+from tests.builders import act, box, flat_world, lay_boxes, make_match, place
 
-from wildscav_engine.sensors import NearbySupplies, Sights, VisibleAgents
+from wildscav_engine.sensors import NearbySupplies, Sights, Teammates, ToSupplies, VisibleAgents
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.body import BODY_RADIUS
 from wildscav_engine.specs.rules import Rules
 
 
-def with_boxes(*distances: float, rules: Rules = Rules()) -> Match:  # noqa: B008
+def with_boxes(*distances: float, **spec: Any) -> Match:
     """An agent at (1, 0, 2) and boxes so far to the north of it, the nth with n + 1 supplies."""
-    match = make_match("gathering", world=flat_world(80), rules=rules)
+    match = make_match("gathering", world=flat_world(80), **spec)
     place(match, 0, (1, 0, 2), yaw=90)
-    supplies = match.state.supplies
-    supplies.quantity[:] = 0
-    for slot, distance in enumerate(distances):
-        supplies.position[0, slot] = (1, 0, 2 + distance)
-        supplies.quantity[0, slot], supplies.appears[0, slot] = slot + 1, 0
+    quantity = range(1, len(distances) + 1)
+    lay_boxes(match, *((1, 0, 2 + distance) for distance in distances), quantity=quantity)
     act(match, 1)
     return match
 
@@ -109,3 +109,61 @@ def test_an_enemy_in_sight_is_told_of_by_the_turn_that_aims_at_it_now_and_where_
     logarithms = np.sign(turns) * np.log1p(np.abs(turns))
     assert row == pytest.approx([1, *logarithms, np.log1p(wide), 0.5, np.log(6), 100, 0], abs=1e-5)
     assert not unused.any()
+
+
+def test_teammates_are_listed_nearest_first_in_sight_or_not() -> None:
+    match = make_match("battle", seats=5, teams=(0, 0, 1, 0, 1))
+    for seat, spot in enumerate(((0, 0, 0), (0, 0, -9), (1, 0, 0), (3, 0, 4), (0, 0, 2))):
+        place(match, seat, spot)
+    agents = match.state.agents
+    agents.velocity[0, 3], agents.yaw[0, 3] = (1, 2, 3), 50
+    agents.supplies[0, 3], agents.invincible_left[0, 3], agents.health[0, 1] = 12, 5, 0
+    near, far, *unused = Teammates().read(match, [0])[0]
+    assert near.tolist() == [1, 3, 3, 0, 4, 5, 1, 2, 3, 50, 100, 1, 12]
+    assert far[[1, 4, 10]].tolist() == [1, -9, 0]
+    assert not np.any(unused)
+
+
+def test_only_as_many_as_asked_for_are_listed() -> None:
+    match = make_match("gathering", seats=4, teams=(0, 0, 0, 0))
+    assert Teammates(limit=2).read(match, [0, 3])[:, :, 0].tolist() == [[1, 1], [1, 1]]
+
+
+NEAR_POOR, FAR_RICH, ABOVE = (0.0, 0.0, 2.0), (-6.0, 0.0, 0.0), (3.0, 2.0, 0.0)
+
+
+def ways(match: Match, **options: Any) -> list[list[float]]:
+    rows: list[list[float]] = ToSupplies(**options).read(match, [0])[0].tolist()
+    return rows
+
+
+@pytest.fixture
+def supplied() -> Match:
+    """An agent at the middle that faces east, with a poor box near it and a rich one farther away."""
+    match = make_match("gathering")
+    place(match, 0, (0.0, 0.0, 0.0), 90)
+    lay_boxes(match, NEAR_POOR, FAR_RICH, ABOVE, quantity=(1, 30, 30))
+    return match
+
+
+def test_a_rich_box_is_worth_a_longer_walk(supplied: Match) -> None:
+    # Efforts for their worth: 9 / 30^0.6 to the rich one, 14 / 30^0.6 to the one above, 5 to the poor one.
+    rich, above, poor = ways(supplied)
+    assert rich == pytest.approx((1, 0, -1, 0, math.log(7), math.log(31)), abs=1e-6)
+    assert above == pytest.approx((1, 0, 1, 2, math.log(4), math.log(31)), abs=1e-6)
+    assert poor == pytest.approx((1, -1, 0, 0, math.log(3), math.log(2)), abs=1e-6)
+
+
+def test_without_worth_the_least_effort_comes_first(supplied: Match) -> None:
+    assert [row[4] for row in ways(supplied, worth=0.0)] == pytest.approx(
+        [math.log(3), math.log(7), math.log(4)], abs=1e-6
+    )
+
+
+def test_a_start_up_makes_near_boxes_less_attractive(supplied: Match) -> None:
+    poor_first, rich_first = (ways(supplied, worth=0.3, start_up=much, limit=1)[0] for much in (0.0, 100.0))
+    assert (poor_first[4], rich_first[4]) == pytest.approx((math.log(3), math.log(7)), abs=1e-6)
+
+
+def test_unused_rows_are_zero(supplied: Match) -> None:
+    assert ways(supplied, limit=5)[3:] == [[0.0] * 6] * 2

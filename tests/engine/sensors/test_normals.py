@@ -1,27 +1,20 @@
 """The normals camera tells which way surfaces face."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
-from tests.builders import box, flat_world, make_match, map_from, place
+from tests.builders import box, flat_world, map_from
+from tests.engine.sensors.scenes import read
 
 from wildscav_engine.geometry.terrain import ground_at
-from wildscav_engine.geometry.world import World
 from wildscav_engine.maps import generate_map
 from wildscav_engine.sensors import DepthCamera, NormalCamera
 from wildscav_engine.specs.map_spec import MapConfig
 
 
-def read(world: World, yaw: float = 0.0, pitch: float = 0.0, **options: Any) -> np.ndarray:
-    match = make_match(world=world)
-    place(match, 0, (0, 0, 0), yaw, pitch)
-    return NormalCamera(**options).read(match, [0])[0]
-
-
 def test_a_wall_faces_who_looks_at_it_and_the_sky_faces_nowhere() -> None:
-    image = read(flat_world(80, [box((-2, 0, 10), (2, 3, 11))]), width=39, height=21)
+    image = read(NormalCamera(39, 21), flat_world(80, [box((-2, 0, 10), (2, 3, 11))]))
     assert image.shape == (21, 39, 3)
     assert image[10, 19].tolist() == [0, 0, -1]
     assert image[0, 0].tolist() == [0, 0, 0]
@@ -31,16 +24,17 @@ def test_a_wall_faces_who_looks_at_it_and_the_sky_faces_nowhere() -> None:
 @pytest.mark.parametrize(("yaw", "normal"), [(0, (0, 0, -1)), (90, (-1, 0, 0)), (-90, (1, 0, 0))])
 def test_normals_are_in_the_axes_of_the_world(yaw: float, normal: tuple[int, int, int]) -> None:
     walls = [box((-9, 0, 8), (9, 5, 9)), box((8, 0, -9), (9, 5, 7)), box((-9, 0, -9), (-8, 5, 7))]
-    assert tuple(read(flat_world(80, walls), yaw, width=3, height=3)[1, 1]) == normal
+    assert tuple(read(NormalCamera(3, 3), flat_world(80, walls), yaw)[1, 1]) == normal
 
 
 def test_a_slope_leans_back_from_its_rise() -> None:
-    normal = read(flat_world(80, slope=0.5), pitch=90, width=1, height=1)[0, 0]
+    normal = read(NormalCamera(1, 1), flat_world(80, slope=0.5), pitch=90)[0, 0]
     assert normal == pytest.approx([-0.5 / math.sqrt(1.25), 1 / math.sqrt(1.25), 0], abs=1e-6)
 
 
 def test_what_is_beyond_far_has_no_normal() -> None:
-    assert not read(flat_world(80, [box((-9, 0, 10), (9, 9, 11))]), far=9.9, width=3, height=1)[0, 1].any()
+    wall = flat_world(80, [box((-9, 0, 10), (9, 9, 11))])
+    assert not read(NormalCamera(3, 1, far=9.9), wall)[0, 1].any()
 
 
 def test_ground_is_at_right_angles_to_its_triangle() -> None:
@@ -78,13 +72,3 @@ def test_normals_are_of_length_one_just_where_depth_is_less_than_far() -> None:
 def test_normals_have_none_inside_of_something() -> None:
     inside = map_from(flat_world(80, [box((-1, 0, -1), (1, 3, 1))]))
     assert not NormalCamera(3, 3).render(inside, [(0, 1, 0)], [0], [0]).any()
-
-
-def test_agents_are_seen_only_when_they_are_asked_for() -> None:
-    match = make_match(seats=2, world=flat_world(80))
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 3), yaw=180)
-    alone, together = (NormalCamera(moving=moving).read(match, [0])[0] for moving in (False, True))
-    differ = (alone != together).any(axis=-1)
-    assert 10 < differ.sum() < differ.size / 2
-    assert np.linalg.norm(together[differ], axis=-1) == pytest.approx(1, abs=1e-6)

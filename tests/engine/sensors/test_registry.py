@@ -7,9 +7,11 @@ from textwrap import dedent
 
 import numpy as np
 import pytest
+from tests.builders import make_match
 
 from wildscav_engine.maps import generate_map
-from wildscav_engine.sensors import SENSORS, parse_sensor
+from wildscav_engine.sensors import SENSORS, DepthCamera, parse_sensor
+from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.actions import Field, no_actions
 from wildscav_engine.specs.map_spec import MapConfig
@@ -46,6 +48,9 @@ CASES = [
 ]
 
 
+TRACKS = ("navigation", "gathering", "battle", "royale")
+
+
 def played(track: str) -> Match:
     """A match in the middle of it: agents that fight, walk and fall, and boxes around them."""
     armed = track in ("battle", "royale")
@@ -58,43 +63,46 @@ def played(track: str) -> Match:
     return match
 
 
-@pytest.fixture(scope="module", params=["navigation", "gathering", "battle", "royale"])
-def match(request: pytest.FixtureRequest) -> Match:
-    return played(request.param)
+@pytest.fixture(scope="module")
+def matches() -> dict[str, Match]:
+    return {track: played(track) for track in TRACKS}
 
 
+@pytest.mark.parametrize("track", TRACKS)
 @pytest.mark.parametrize(("name", "options"), CASES)
-def test_every_reading_is_in_its_space(name: str, options: dict[str, object], match: Match) -> None:
-    sensor = parse_sensor(name, options)
-    seats = range(match.seats)
+def test_every_reading_is_in_its_space_and_what_its_seat_reads_alone(
+    name: str, options: dict[str, object], track: str, matches: dict[str, Match]
+) -> None:
+    sensor, match = parse_sensor(name, options), matches[track]
+    seats = range(match.seats)[::-1]
 
     readings = sensor.read(match, seats)
 
     assert readings.shape == (match.seats, *sensor.space.shape)
     assert readings.dtype == sensor.space.dtype
-    for reading in readings:
+    for seat, reading in zip(seats, readings, strict=True):
         assert sensor.space.contains(reading), (reading.min(), reading.max())
-
-
-@pytest.mark.parametrize(("name", "options"), CASES)
-def test_seats_read_together_what_each_reads_alone(name: str, options: dict[str, object]) -> None:
-    match = played("battle")
-    sensor = parse_sensor(name, options)
-    together = sensor.read(match, [3, 0, 1])
-    assert sensor.read(match, []).shape == (0, *sensor.space.shape)
-    for seat, reading in zip([3, 0, 1], together, strict=True):
         assert sensor.read(match, [seat])[0].tobytes() == reading.tobytes()
+    assert sensor.read(match, []).shape == (0, *sensor.space.shape)
+    for seat in (-1, match.seats):
+        said = rf"there is no seat {seat}; the seats are 0 to {match.seats - 1}"
+        with pytest.raises(ValueError, match=said):
+            sensor.read(match, [0, seat])
 
 
-@pytest.mark.parametrize(("name", "options"), CASES)
-def test_reading_changes_nothing_in_the_match(name: str, options: dict[str, object]) -> None:
+def test_reading_changes_nothing_in_the_match_and_a_reading_is_nobody_elses() -> None:
     alone, read = played("battle"), played("battle")
-    sensor = parse_sensor(name, options)
+    sensors = [parse_sensor(*case.values) for case in CASES]  # type: ignore[arg-type]
     for _ in range(5):
-        first = sensor.read(read, range(read.seats))
-        assert sensor.read(read, range(read.seats)).tobytes() == first.tobytes()
+        first = [sensor.read(read, range(read.seats)) for sensor in sensors]
+        kept = [reading.tobytes() for reading in first]
+        assert all(reading.flags.c_contiguous for reading in first)
+        assert [sensor.read(read, range(read.seats)).tobytes() for sensor in sensors] == kept
         read.step()
         alone.step()
+        for sensor in sensors:
+            sensor.read(read, [1])
+        assert [reading.tobytes() for reading in first] == kept
     assert read.digests == alone.digests
     for mine, other in zip((*read.state, read.seen), (*alone.state, alone.seen), strict=True):
         for field in mine._fields:
@@ -102,26 +110,7 @@ def test_reading_changes_nothing_in_the_match(name: str, options: dict[str, obje
 
 
 @pytest.mark.parametrize("name", SENSORS)
-def test_a_reading_is_nobody_elses(name: str) -> None:
-    match = played("battle")
-    sensor = parse_sensor(name, {})
-    reading = sensor.read(match, [0])
-    kept = reading.copy()
-    match.step()
-    sensor.read(match, [1])
-    np.testing.assert_array_equal(reading, kept)
-    assert reading.flags.c_contiguous
-
-
-@pytest.mark.parametrize("name", SENSORS)
-@pytest.mark.parametrize("seat", [-1, 5])
-def test_there_is_nothing_to_read_at_a_seat_that_is_none(name: str, seat: int) -> None:
-    with pytest.raises(ValueError, match=rf"there is no seat {seat}; the seats are 0 to 4"):
-        parse_sensor(name, {}).read(played("battle"), [0, seat])
-
-
-@pytest.mark.parametrize("name", SENSORS)
-def test_every_sensor_says_what_it_is(name: str) -> None:
+def test_every_sensor_says_what_it_is_for_ever(name: str) -> None:
     kind = SENSORS[name]
     assert kind.name == name
     assert kind.title
@@ -129,6 +118,8 @@ def test_every_sensor_says_what_it_is(name: str) -> None:
     assert kind.__doc__
     assert kind() == parse_sensor(name, {})
     assert hash(kind()) == hash(parse_sensor(name, {}))
+    with pytest.raises(AttributeError):
+        kind().name = "other"  # type: ignore[misc]
 
 
 @pytest.mark.parametrize("name", SENSORS)
@@ -141,24 +132,34 @@ def test_an_option_that_there_is_not_is_named_in_one_line(name: str, option: str
     assert "its options are" in str(caught.value) or "it has no options" in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "options", "said"),
+    [
+        ("depth", {"width": 0}, "width: Input should be greater than or equal to 1, not 0"),
+        ("depth", {"far": -1}, "far"),
+        ("depth", {"height": "tall"}, "height"),
+        ("camera", {"shadows": "perhaps"}, "shadows"),
+        ("segmentation", {"label": "colour"}, "label: Input should be 'kind' or 'instance'"),
+        ("lidar", {"lowest": 10, "highest": -10}, "lowest is 10, must not be above highest, -10"),
+        ("lidar", {"channels": 0}, "channels: Input should be greater than or equal to 1, not 0"),
+        ("lidar", {"azimuths": 4000}, "azimuths: Input should be less than or equal to 3600"),
+        ("lidar", {"range": float("inf")}, "range: Input should be a finite number"),
+        ("lidar", {"highest": 91}, "highest: Input should be less than or equal to 90"),
+    ],
+)
+def test_an_option_that_is_not_allowed_is_named_in_one_line(
+    name: str, options: dict[str, object], said: str
+) -> None:
+    with pytest.raises(ValueError, match=f"^sensor {name}: ") as caught:
+        parse_sensor(name, options)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
 def test_a_sensor_that_there_is_not_is_answered_with_those_there_are() -> None:
     with pytest.raises(ValueError, match="there is no sensor 'nose'; the sensors are depth, ") as caught:
         parse_sensor("nose", {})
     assert all(name in str(caught.value) for name in SENSORS)
-
-
-@pytest.mark.parametrize("name", SENSORS)
-def test_a_sensor_cannot_be_changed(name: str) -> None:
-    with pytest.raises(AttributeError):
-        SENSORS[name]().name = "other"  # type: ignore[misc]
-
-
-def run_alone(code: str) -> str:
-    """Run code in a process of its own, where nothing was compiled or imported; return what it prints."""
-    folder = Path(__file__).parents[3]
-    done = subprocess.run([sys.executable, "-c", dedent(code)], cwd=folder, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 @pytest.mark.slow
@@ -184,27 +185,19 @@ def test_a_server_that_is_warm_compiles_nothing_for_any_sensor() -> None:
             parse_sensor(name, options).read(match, [0, 2])
         print(sorted(kernels() - before))
     """
-    assert run_alone(code) == "[]\n"
+    folder = Path(__file__).parents[3]
+    done = subprocess.run([sys.executable, "-c", dedent(code)], cwd=folder, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "[]\n"), done.stderr
 
 
-@pytest.mark.slow
-def test_no_sensor_costs_anything_before_it_is_asked_for() -> None:
-    """A match that is played without optical sensors never prepares the scene."""
-    code = """
-        from tests.builders import make_match
-        import wildscav_server.match_server
-        from wildscav_engine.sensors import SENSORS
-
-        match = make_match("gathering")
-        match.step()
-        lists = ("visible_agents", "teammates", "nearby_supplies", "sights", "to_supplies")
-        for name in (*lists, "compass", "zone"):
-            SENSORS[name]().read(match, [0])
-        print("scene" in vars(match.game_map))
-        SENSORS["depth"]().read(match, [0])
-        print("scene" in vars(match.game_map))
-    """
-    assert run_alone(code).split() == ["False", "True"]
+def test_only_sensors_of_images_prepare_the_scene_of_a_map() -> None:
+    match = make_match("battle")
+    for kind in SENSORS.values():
+        if not issubclass(kind, ImageSensor):
+            kind().read(match, [0])
+    assert "scene" not in vars(match.game_map)
+    DepthCamera().read(match, [0])
+    assert "scene" in vars(match.game_map)
 
 
 @pytest.mark.parametrize("name", SENSORS)

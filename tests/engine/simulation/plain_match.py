@@ -41,7 +41,7 @@ def report() -> list[object]:
     readings = [float(sensor.read(match, [0]).astype(float).sum()) for sensor in sensors]
     royale = Match(MatchSpec(track="royale", map=game_map.spec, seed=5, seats=("fighter",) * 4), game_map)
     for _ in range(8):
-        royale.step(np.zeros((4, FIELDS), np.float32))
+        royale.step()
     digests.append(str(royale.digest))
     digests += _robots(game_map)
     generated = generate_map(MapConfig(size=40, houses=1, vegetation=0.5, water=0.2), 3)
@@ -58,17 +58,11 @@ def _robots(game_map: GameMap) -> list[str]:
         ("battle", squad + fighters, 40),
         ("capture", ("seeker-hard",) * 2 + ("seeker",) * 2, 12),
     ):
-        spec = MatchSpec(
-            track=track,
-            map=game_map.spec,
-            seed=6,
-            seats=seats,
-            teams=tuple(seat * 2 // len(seats) for seat in range(len(seats))),
-            supplies=waves if track == "battle" else None,
-        )
-        match = Match(spec, game_map)
+        teams = tuple(seat * 2 // len(seats) for seat in range(len(seats)))
+        supplies = waves if track == "battle" else None
+        match = Match(MatchSpec(track=track, seed=6, seats=seats, teams=teams, supplies=supplies), game_map)
         for _ in range(steps):
-            match.step(np.zeros((len(seats), FIELDS), np.float32))
+            match.step()
         digests.append(str(match.digest))
     return digests
 
@@ -84,14 +78,8 @@ def _episode(game_map: GameMap) -> list[float]:
     """Return what a learner observes and is rewarded for in a few steps, in each action mode."""
     found = []
     for mode in ("box", "multidiscrete", "dict"):
-        env = SingleEnv(
-            "battle",
-            map=game_map.spec,
-            opponents=("fighter",),
-            flat=mode != "dict",
-            sensors={},
-            action_mode=mode,
-        )
+        chosen = {"opponents": ("fighter",), "flat": mode != "dict", "sensors": {}, "action_mode": mode}
+        env = SingleEnv("battle", map=game_map.spec, **chosen)  # type: ignore[arg-type]
         env.reset(seed=1)
         env.action_space.seed(1)
         for _ in range(3):

@@ -12,30 +12,9 @@ from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
 RICH = SupplyConfig(waves=(SupplyWave(center=(0, 0), radius=1000, outdoor_richness=50),), spacing=2)
 # What a match is set up with and never changes, what says nothing, and what a frame sets anew or clears.
-FIXED = {
-    "present",
-    "team",
-    "robot",
-    "memory",
-    "turns",
-    "next_in_square",
-    "near",
-    "shot_end",
-    "velocity",
-    "in_water",
-}
-FIXED |= {"start", *EQUIPMENT}
-PLAYED_ANEW = {
-    "damage",
-    "walk_velocity",
-    "on_ground",
-    "fired",
-    "hit_seat",
-    "hit_by_seat",
-    "gained",
-    "health",
-    "reached",
-}
+FIXED = {"start", *EQUIPMENT, "present", "team", "robot", "memory", "turns", "next_in_square", "near"}
+PLAYED_ANEW = {"damage", "walk_velocity", "on_ground", "fired", "hit_seat", "hit_by_seat", "gained", "health"}
+PLAYED_ANEW |= {"reached", "shot_end", "velocity", "in_water"}
 
 
 def digest_after(change: Callable[[Match], object]) -> int:

@@ -26,33 +26,18 @@ STEPS = 60
 
 
 def specs(count: int) -> list[MatchSpec]:
+    maps = [MapSpec(config=CONFIGS[index % 2], seed=index % 3) for index in range(count)]
     return [
-        MatchSpec.model_validate(
-            {
-                "track": "battle",
-                "map": {"config": CONFIGS[index % 2].model_dump(), "seed": index % 3},
-                "seed": index,
-                "seats": SEATS[: 3 + index % 3],
-                "time_limit": 60,
-            }
-        )
-        for index in range(count)
+        MatchSpec(track="battle", map=one, seed=index, seats=SEATS[: 3 + index % 3], time_limit=60)
+        for index, one in enumerate(maps)
     ]
 
 
 def actions(index: int, step: int) -> np.ndarray:
     """Some actions of the submission's seat, the same for the same match and step."""
     row = np.zeros((len(SEATS), 8), np.float32)
-    row[0] = (
-        (index * 37 + step * 11) % 360,
-        (step * 7 + index) % 11,
-        3,
-        0.1,
-        step % 9 == 0,
-        1,
-        1,
-        step % 20 == 0,
-    )
+    row[0, :4] = (index * 37 + step * 11) % 360, (step * 7 + index) % 11, 3, 0.1
+    row[0, 4:] = step % 9 == 0, 1, 1, step % 20 == 0
     return row
 
 
@@ -143,14 +128,7 @@ def test_a_map_that_cannot_be_made_is_a_match_that_cannot_be_set_up() -> None:
 
 
 @pytest.mark.parametrize(
-    "rows",
-    [
-        np.zeros((2, 4, 8)),
-        np.zeros((2, 6, 8)),
-        np.zeros((1, 5, 8)),
-        np.zeros(80),
-        np.zeros((2, 5, 8), complex),
-    ],
+    "rows", [*map(np.zeros, ((2, 4, 8), (2, 6, 8), (1, 5, 8), 80)), np.zeros((2, 5, 8), complex)]
 )
 def test_actions_of_another_shape_are_refused_before_a_kernel_sees_them(rows: np.ndarray) -> None:
     batch = Batch([specs(3)[2]] * 2)

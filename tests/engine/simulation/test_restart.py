@@ -24,6 +24,10 @@ def spec(seed: int, track: str = "battle", seats: Sequence[str] = SEATS, **field
     return MatchSpec(track=track, seed=seed, seats=seats, **fields)
 
 
+def meadows(matches: int, track: str = "battle") -> Batch:
+    return Batch([spec(seed, track) for seed in range(matches)], [MEADOW] * matches)
+
+
 def actions(seed: int, batch: Batch) -> NDArray[np.float32]:
     """Some actions, the same for the same seed."""
     random = np.random.default_rng(seed)
@@ -45,7 +49,7 @@ def row_of(batch: Batch, row: int) -> list[bytes]:
 
 @pytest.mark.parametrize("track", ["battle", "royale", "gathering", "navigation"])
 def test_a_restarted_match_is_as_a_new_one(track: str) -> None:
-    batch = Batch([spec(seed, track) for seed in range(3)], [MEADOW] * 3)
+    batch = meadows(3, track)
     for step in range(STEPS):
         batch.step(actions(step, batch))
 
@@ -61,7 +65,7 @@ def test_a_restarted_match_is_as_a_new_one(track: str) -> None:
 
 
 def test_the_other_rows_of_a_batch_do_not_notice() -> None:
-    batch, undisturbed = (Batch([spec(seed) for seed in range(3)], [MEADOW] * 3) for _ in range(2))
+    batch, undisturbed = meadows(3), meadows(3)
     for step in range(STEPS):
         rows = actions(step, batch)
         batch.step(rows)
@@ -74,7 +78,7 @@ def test_the_other_rows_of_a_batch_do_not_notice() -> None:
 
 def test_a_batch_grows_for_a_match_with_more_boxes_and_waves() -> None:
     rich = SupplyConfig(waves=(SupplyWave(center=(0.0, 0.0), outdoor_richness=50, time=5.0),) * 3, spacing=1)
-    batch = Batch([spec(seed) for seed in range(2)], [MEADOW] * 2)
+    batch = meadows(2)
     slots = batch.state.supplies.serial.shape[1]
     batch.step(actions(0, batch))
     before = row_of(batch, 0)
@@ -87,7 +91,7 @@ def test_a_batch_grows_for_a_match_with_more_boxes_and_waves() -> None:
 
 
 def test_a_match_with_fewer_seats_fits_and_one_with_more_does_not() -> None:
-    batch = Batch([spec(seed) for seed in range(2)], [MEADOW] * 2)
+    batch = meadows(2)
     batch.restart([0], [spec(5, seats=("submission",))], [MEADOW])
     assert row_of(batch, 0) == row_of(Batch([spec(5, seats=("submission",))], [MEADOW]), 0)
     with pytest.raises(MatchSetupError, match="4 seats, but those of this batch have at most 3"):
@@ -95,7 +99,7 @@ def test_a_match_with_fewer_seats_fits_and_one_with_more_does_not() -> None:
 
 
 def test_a_match_that_cannot_be_set_up_leaves_all_as_it_is() -> None:
-    batch = Batch([spec(seed) for seed in range(2)], [MEADOW] * 2)
+    batch = meadows(2)
     before = [row_of(batch, row) for row in range(2)]
     outside = spec(9, start=(500.0, 0.0, 0.0))
     for rows, specs, error in (

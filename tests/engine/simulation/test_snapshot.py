@@ -1,9 +1,5 @@
 """States as bytes: whoever goes on from one plays as if nothing had happened."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -72,15 +68,6 @@ def test_a_fork_that_plays_otherwise_leaves_the_original_alone() -> None:
     assert fork.digest != original.digest
 
 
-def test_a_state_goes_back_and_forth_in_one_match() -> None:
-    match = play(match_of("royale"), 0, STEPS)
-    data = match.get_state()
-    once = bytes_of(play(match, STEPS, 2 * STEPS))
-    match.set_state(data)
-    assert match.step_number == STEPS
-    assert bytes_of(play(match, STEPS, 2 * STEPS)) == once
-
-
 def test_robots_of_a_state_play_where_there_were_none() -> None:
     original = play(match_of("battle"), 0, STEPS)
     alone = MatchSpec(track="battle", map=original.spec.map, seats=("submission",) * len(SEATS))
@@ -114,30 +101,6 @@ def test_a_restored_match_has_a_record_that_verifies() -> None:
     other.set_state(data)
     other.play_out()
     verify_record(record_of(other, SEATS))
-
-
-@pytest.mark.slow
-def test_another_process_goes_on_in_the_same_way(tmp_path: Path) -> None:
-    small = MapSpec(config=MapConfig(size=40, houses=1, vegetation=0.3), seed=3)
-    match = play(Match(MatchSpec(track="battle", map=small, seats=SEATS)), 0, STEPS)
-    (tmp_path / "state").write_bytes(match.get_state())
-    code = (
-        "import sys; from pathlib import Path; sys.path.append(sys.argv[2])\n"
-        f"import {Path(__file__).stem} as t\n"
-        "from wildscav_engine.simulation.match import Match\n"
-        "from wildscav_engine.simulation.snapshot import decode\n"
-        "data = Path(sys.argv[1]).read_bytes()\n"
-        "match = Match(decode(data).spec); match.set_state(data)\n"
-        "print(t.play(match, t.STEPS, 2 * t.STEPS).digests[-1])"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path / "state"), str(Path(__file__).parents[3])],
-        cwd=Path(__file__).parent,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    assert int(done.stdout) == play(match, STEPS, 2 * STEPS).digest
 
 
 def test_what_is_no_state_of_this_engine_is_refused_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ from wildscav_engine.envs import SingleEnv, parallel_env
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.tracks import metrics_of
 
+WALLED = flat_world(solids=[box((4, 0, -12), (5, 3, 3))])
 EAST, NORTH, SOUTH = ({"walk_direction": direction, "walk_speed": 5} for direction in (90, 0, 180))
 
 
@@ -17,41 +18,37 @@ def spl(match: Match) -> list[float]:
     return [seat.metrics["spl"] for seat in match.result().seats]
 
 
-def test_whoever_walks_straight_to_the_target_has_one() -> None:
-    match = make_match("navigation", start=(0, 0, 0), target=(10.05, 0, 0))
-    act(match, 40, seat_0=EAST)
+# A body keeps 0.45 m from a wall, and the target counts from 1 m away.
+ROUND_WALL = math.dist((0, 0), (3.55, 3.45)) + 1.9 + math.dist((5.45, 3.45), (10, 0)) - 1
+
+
+@pytest.mark.parametrize(
+    ("spec", "walks", "wanted"),
+    [
+        # The target counts after 9.05 m; the frame in which it does ends at 9.1 m.
+        ({"target": (10.05, 0, 0)}, ((40, EAST),), 9.05 / 9.1),
+        # 9 m are the shortest way; 5 m north and back come on top.
+        ({}, ((10, NORTH), (10, SOUTH), (40, EAST)), 9 / 19),
+        ({"time_limit": 1.5}, ((40, EAST),), 0.0),  # it does not arrive
+        # Around a wall: 4 m, 10 m and 3 m.
+        ({"world": WALLED}, ((8, NORTH), (20, EAST), (10, SOUTH)), ROUND_WALL / 17),
+    ],
+)
+def test_it_is_the_shortest_way_over_ones_own(
+    spec: dict[str, Any], walks: tuple[tuple[int, dict[str, float]], ...], wanted: float
+) -> None:
+    match = make_match("navigation", **{"start": (0, 0, 0), "target": (10, 0, 0), **spec})
+    for steps, walk in walks:
+        act(match, steps, seat_0=walk)
     assert match.over
-    # The target counts after 9.05 m; the frame in which it does ends at 9.1 m.
-    assert spl(match) == pytest.approx([9.05 / 9.1])
+    assert spl(match) == pytest.approx([wanted], abs=0.01 if "world" in spec else 0.003)
 
 
-def test_whoever_makes_a_detour_has_the_shortest_over_its_own_way() -> None:
+def test_whoever_walked_less_than_the_shortest_way_has_one() -> None:
     match = make_match("navigation", start=(0, 0, 0), target=(10, 0, 0))
-    act(match, 10, seat_0=NORTH)
-    act(match, 10, seat_0=SOUTH)
-    act(match, 40, seat_0=EAST)
-    assert match.over
-    # 9 m are the shortest way, as the target counts from 1 m away; 5 m north and back come on top.
-    assert spl(match) == pytest.approx([9 / 19], abs=0.003)
-
-
-def test_whoever_does_not_arrive_has_none_however_short_its_way_was() -> None:
-    match = make_match("navigation", start=(0, 0, 0), target=(10, 0, 0), time_limit=1.5)
-    act(match, 40, seat_0=EAST)
-    assert match.over
-    assert spl(match) == [0.0]
-
-
-def test_the_shortest_way_leads_round_what_is_in_the_way() -> None:
-    wall = box((4, 0, -12), (5, 3, 3))
-    match = make_match("navigation", world=flat_world(solids=[wall]), start=(0, 0, 0), target=(10, 0, 0))
-    act(match, 8, seat_0=NORTH)  # 4 m
-    act(match, 20, seat_0=EAST)  # 10 m
-    act(match, 10, seat_0=SOUTH)  # 3 m
-    assert match.over
-    # A body keeps 0.45 m from the wall, and the target counts from 1 m away.
-    shortest = math.dist((0, 0), (3.55, 3.45)) + 1.9 + math.dist((5.45, 3.45), (10, 0)) - 1
-    assert spl(match) == pytest.approx([shortest / 17], abs=0.01)
+    place(match, 0, (8.5, 0, 0))  # put there by hand
+    act(match, 10, seat_0=EAST)
+    assert spl(match) == [1.0]
 
 
 def test_in_a_race_each_seat_has_its_own() -> None:
@@ -81,28 +78,14 @@ def test_every_result_has_it_on_tracks_with_a_target_and_on_no_other() -> None:
 
 
 def test_the_infos_of_environments_have_it_on_request() -> None:
-    assert "spl" not in _last_metrics({})
-    assert _last_metrics({"all_metrics": True})["spl"] == 0.0
-
-
-def _last_metrics(options: dict[str, Any]) -> dict[str, float]:
-    env = SingleEnv("navigation", sensors={}, time_limit=0.1, map=1, **options)
-    env.reset(seed=1)
-    _, _, terminated, truncated, info = env.step(env.action_space.sample())
-    assert terminated or truncated
-    return dict(info["metrics"])
-
-
-def test_several_learners_have_it_in_their_infos() -> None:
-    env = parallel_env("capture", sensors={}, time_limit=0.1, map=1, all_metrics=True)
-    env.reset(seed=1)
-    *_, infos = env.step({agent: env.action_space(agent).sample() for agent in env.agents})
+    short: dict[str, Any] = {"sensors": {}, "time_limit": 0.1, "map": 101}
+    told = []
+    for options in ({}, {"all_metrics": True}):
+        env = SingleEnv("navigation", **short, **options)
+        env.reset(seed=1)
+        told.append(env.step(env.action_space.sample())[-1]["metrics"].get("spl"))
+    assert told == [None, 0.0]
+    several = parallel_env("capture", **short, all_metrics=True)
+    several.reset(seed=1)
+    *_, infos = several.step({agent: several.action_space(agent).sample() for agent in several.agents})
     assert all(info["metrics"]["spl"] == 0.0 for info in infos.values())
-
-
-def test_a_start_that_is_not_the_place_where_an_agent_is_put_by_hand_counts() -> None:
-    match = make_match("navigation", start=(0, 0, 0), target=(10, 0, 0))
-    place(match, 0, (8.5, 0, 0))
-    act(match, 10, seat_0=EAST)
-    assert match.over
-    assert spl(match) == [1.0]  # walked less than the shortest way

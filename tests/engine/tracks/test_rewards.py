@@ -2,21 +2,18 @@
 
 import numpy as np
 import pytest
-from tests.builders import act, make_match, place
+from tests.builders import act, facts_of, make_match, paid_between, place
 
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.tracks import TRACKS
-from wildscav_engine.tracks.rewards import FACTS, REWARD_TERMS, RewardSum, read_facts
+from wildscav_engine.tracks.rewards import FACTS, REWARD_TERMS, RewardSum
 
 
 def paid(match: Match, *names: str, **seats: dict[str, float]) -> dict[str, list[float]]:
     """Play one step and return what each seat is paid for it, by term."""
-    before, after = (np.zeros((1, match.seats, FACTS), np.float32) for _ in range(2))
-    read_facts(match.state, before)
+    before = facts_of(match)
     act(match, 1, **seats)
-    read_facts(match.state, after)
-    terms = RewardSum(dict.fromkeys(names, 1.0)).terms(before, after)
-    return {name: values[0].tolist() for name, values in terms.items()}
+    return paid_between(before, facts_of(match), **dict.fromkeys(names, 1.0))
 
 
 def test_reaching_the_target_pays_once() -> None:
@@ -28,12 +25,9 @@ def test_reaching_the_target_pays_once() -> None:
 
 def test_coming_nearer_pays_by_the_metre_and_going_away_costs_as_much() -> None:
     match = make_match("navigation", start=(0, 0, 0), target=(10, 0, 0))
-    assert paid(match, "approach", seat_0={"walk_direction": 90, "walk_speed": 10})["approach"] == [
-        pytest.approx(1)
-    ]
-    assert paid(match, "approach", seat_0={"walk_direction": 270, "walk_speed": 10})["approach"] == [
-        pytest.approx(-1)
-    ]
+    for direction, metres in ((90, 1), (270, -1)):
+        told = paid(match, "approach", seat_0={"walk_direction": direction, "walk_speed": 10})
+        assert told["approach"] == [pytest.approx(metres)]
 
 
 def test_a_find_pays_one_however_much_is_in_the_box_and_the_team_shares_its_supplies() -> None:
@@ -64,10 +58,9 @@ def test_outliving_the_others_pays_one_in_all() -> None:
     assert paid(match, "outlived")["outlived"] == [pytest.approx(2 / 3), 0, third, third]
 
 
-def test_terms_are_weighted_and_summed() -> None:
-    before, after = np.zeros((2, 1, FACTS), np.float32), np.ones((2, 1, FACTS), np.float32)
-    assert RewardSum({"kill": 2.0, "step": -0.5}).total(before, after).tolist() == [[1.5], [1.5]]
-    assert RewardSum({}).total(before, after).tolist() == [[0], [0]]
+def test_terms_are_weighted() -> None:
+    before, after = np.zeros((2, FACTS), np.float32), np.ones((2, FACTS), np.float32)
+    assert paid_between(before, after, kill=2.0, step=-0.5) == {"kill": [2.0, 2.0], "step": [-0.5, -0.5]}
 
 
 @pytest.mark.parametrize(

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.builders import act, flat_world, make_match, place
+from tests.builders import act, facts_of, flat_world, make_match, paid_between, place
 
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.systems.zone import plan_zone, zone_at
 from wildscav_engine.specs.zone_config import ZoneConfig, ZonePhase
-from wildscav_engine.tracks.rewards import FACTS, RewardSum, read_facts
 
 NO_ZONE = ZoneConfig()
 
@@ -35,32 +34,30 @@ def test_the_dead_do_not_come_back() -> None:
     assert match.state.agents.eliminated[0].tolist() == [1, -1, -1]
 
 
-def test_the_last_one_standing_wins() -> None:
-    match = royale(3)
-    kill(match, 2)
-    act(match, 1)
-    kill(match, 0)
-    act(match, 1)
+@pytest.mark.parametrize(
+    ("teams", "deaths", "placements"),
+    [
+        ((0, 1, 2), ([2], [0]), [2, 1, 3]),  # the last one standing wins
+        ((0, 1, 2), ([0, 2],), [2, 1, 2]),  # teams that go out in one frame share their placement
+        ((0, 1), ([0, 1],), [1, 1]),  # all who die together are first
+        ((0, 0, 1, 1), ([0], [2, 3]), [1, 1, 2, 2]),  # a team is in as long as one of it lives
+        ((0, 0), ([0], [1]), [1, 1]),  # one team alone plays until it is out
+    ],
+)
+def test_the_match_ends_with_the_last_of_these_deaths(
+    teams: tuple[int, ...], deaths: tuple[list[int], ...], placements: list[int]
+) -> None:
+    match = royale(len(teams), teams=teams)
+    for seats in deaths:
+        assert not match.over
+        kill(match, *seats)
+        act(match, 1)
     result = match.result()
-    assert match.over
     assert result.ending == "last_standing"
-    assert [seat.metrics["placement"] for seat in result.seats] == [2, 1, 3]
-    assert [seat.metrics["points"] for seat in result.seats] == [50, 100, 0]
-
-
-def test_teams_that_go_out_in_one_frame_share_their_placement() -> None:
-    match = royale(3)
-    kill(match, 0, 2)
-    act(match, 1)
-    assert [seat.metrics["placement"] for seat in match.result().seats] == [2, 1, 2]
-
-
-def test_when_all_die_together_all_are_first() -> None:
-    match = royale(2)
-    kill(match, 0, 1)
-    act(match, 1)
-    assert match.over
-    assert [seat.metrics["placement"] for seat in match.result().seats] == [1, 1]
+    assert [seat.metrics["placement"] for seat in result.seats] == placements
+    others = max(teams)
+    points = [100 * (others + 1 - place) / others if others else 0 for place in placements]
+    assert [seat.metrics["points"] for seat in result.seats] == points
 
 
 def test_when_the_time_is_up_those_left_are_all_first_in_the_score_and_in_the_reward() -> None:
@@ -68,12 +65,10 @@ def test_when_the_time_is_up_those_left_are_all_first_in_the_score_and_in_the_re
     rewards = [0.0] * 4
     for step in range(3):
         kill(match, *[3] * (step == 1))
-        before, after = (np.zeros((1, 4, FACTS), np.float32) for _ in range(2))
-        read_facts(match.state, before)
+        before = facts_of(match)
         act(match, 1)
-        read_facts(match.state, after)
-        paid = RewardSum({"outlived": 1.0}).total(before, after)
-        rewards = [total + float(now) for total, now in zip(rewards, paid[0], strict=True)]
+        paid = paid_between(before, facts_of(match), outlived=1.0)["outlived"]
+        rewards = [total + now for total, now in zip(rewards, paid, strict=True)]
         if step == 1:
             assert rewards == [pytest.approx(1 / 3)] * 3 + [0]
     result = match.result()
@@ -82,27 +77,6 @@ def test_when_the_time_is_up_those_left_are_all_first_in_the_score_and_in_the_re
     assert [seat.metrics["points"] for seat in result.seats] == pytest.approx(
         [100 * reward for reward in rewards]
     )
-
-
-def test_a_team_is_in_as_long_as_one_of_it_lives() -> None:
-    match = royale(4, teams=(0, 0, 1, 1))
-    kill(match, 0)
-    act(match, 1)
-    assert not match.over
-    kill(match, 2, 3)
-    act(match, 1)
-    assert match.over
-    assert [seat.metrics["placement"] for seat in match.result().seats] == [1, 1, 2, 2]
-
-
-def test_one_team_alone_plays_until_it_is_out() -> None:
-    match = royale(2, teams=(0, 0))
-    kill(match, 0)
-    act(match, 1)
-    assert not match.over
-    kill(match, 1)
-    act(match, 1)
-    assert match.over
 
 
 def test_outside_the_zone_health_is_lost_once_a_second() -> None:

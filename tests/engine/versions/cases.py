@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from hashlib import blake2b
+from unittest.mock import patch
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +33,10 @@ BY_HAND = (
     Placement(kind="block", location=(-20, 20), area=(4, 2)),
     Placement(kind="tree", location=(-20, -20), area=(12, 12)),
 )
+TOWN = MapConfig(size=100, houses=4, density="high", ruggedness=1.0, relief=1.5, water=0.2)
 MAPS = {
     "farms": MapSpec(config=MapConfig(size=60, houses=2, storeys=(1, 4)), seed=1),
-    "steep town": MapSpec(
-        config=MapConfig(size=100, houses=4, density="high", ruggedness=1.0, relief=1.5, water=0.2),
-        seed=2**63,
-    ),
+    "steep town": MapSpec(config=TOWN, seed=2**63),
     "woods": MapSpec(config=MapConfig(size=80, houses=1, vegetation=1.0, placements=BY_HAND), seed=7),
     "lakes": MapSpec(config=MapConfig(size=80, houses=0, water=0.4, relief=0.6), seed=11),
     "plain": MapSpec(config=MapConfig(size=60, houses=3, relief=0.0, water=0.0, vegetation=0.1), seed=3),
@@ -64,15 +63,8 @@ def _imported_island() -> Iterator[str]:
     across = np.abs(np.arange(31) - 15.0)
     heights = 4.0 - 0.02 * (across[:, None] ** 2 + across[None, :] ** 2)
     base = Base(heights, 0.0, (box((-3, 3, 2), (3, 6, 3)),), 60, "island")
-    before = os.environ.get("WILDSCAV_MAPS")
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ["WILDSCAV_MAPS"] = folder
-        try:
-            yield save_base(base)[0]
-        finally:
-            os.environ.pop("WILDSCAV_MAPS")
-            if before is not None:
-                os.environ["WILDSCAV_MAPS"] = before
+    with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, WILDSCAV_MAPS=folder):
+        yield save_base(base)[0]
 
 
 def match_digests(_: Mapping[str, str]) -> Digests:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from tests.engine.versions import cases
+from tests.engine.versions.cases import map_digests, match_digests, record_bytes
 
 from wildscav_engine import SIMULATION_VERSION
 from wildscav_engine.maps import GENERATOR_VERSION
@@ -34,29 +34,13 @@ class PinError(Exception):
     """What is pinned for a version has moved; the message says what to do."""
 
 
-VERSIONS = {
-    version.name: version
-    for version in (
-        Version(
-            "generator",
-            GENERATOR_VERSION,
-            "GENERATOR_VERSION in engine/wildscav_engine/maps/game_map.py",
-            cases.map_digests,
-        ),
-        Version(
-            "simulation",
-            SIMULATION_VERSION,
-            "SIMULATION_VERSION in engine/wildscav_engine/version.py",
-            cases.match_digests,
-        ),
-        Version(
-            "record",
-            LAYOUT.version,
-            "the version in LAYOUT in engine/wildscav_engine/record/format.py",
-            cases.record_bytes,
-        ),
-    )
-}
+HOME = "engine/wildscav_engine"
+_ALL = (
+    Version("generator", GENERATOR_VERSION, f"GENERATOR_VERSION in {HOME}/maps/game_map.py", map_digests),
+    Version("simulation", SIMULATION_VERSION, f"SIMULATION_VERSION in {HOME}/version.py", match_digests),
+    Version("record", LAYOUT.version, f"the version in LAYOUT in {HOME}/record/format.py", record_bytes),
+)
+VERSIONS = {version.name: version for version in _ALL}
 
 
 def read_pins(file: Path = FILE) -> Pins:

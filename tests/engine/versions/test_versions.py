@@ -20,10 +20,8 @@ from tests.engine.versions.pins import (
 def test_every_version_gives_what_is_pinned_for_it(name: str) -> None:
     version, pins = VERSIONS[name], read_pins()
     digests = check(version, pins)
-    missing = sorted(set(digests) - set(pinned_for(version, pins)))
-    assert not missing, (
-        f"{name} version {version.number} has no pins for {', '.join(missing)}; run: {COMMAND}"
-    )
+    # New cases are pinned by: python -m tests.engine.versions.pins
+    assert digests.keys() == pinned_for(version, pins).keys()
 
 
 def paint(number: int, **colors: str) -> Version:

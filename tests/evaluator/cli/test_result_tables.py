@@ -34,14 +34,9 @@ from wildscav_evaluator.cli.sessions.evaluate import changes_table, verdict
 from wildscav_evaluator.cli.sessions.leaderboard import evaluations_table
 from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch
 from wildscav_evaluator.output.results import (
-    CURRENT_VERSIONS,
-    Evaluation,
     KeptLimits,
-    MatchTiming,
     Results,
     SeatTiming,
-    Timings,
-    metric_infos,
 )
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.ratings.standings import rate
@@ -179,67 +174,53 @@ def seat(**changes: float) -> SeatTiming:
     return timing_of_a_seat(**usual | latencies | changes)
 
 
-def results_of_seats(*seats: SeatTiming) -> Results:
-    """The results of a submission with a match for each of these seats."""
-    homing = Evaluation(
-        submission="homing",
-        version="1",
-        digest="",
-        track="navigation",
-        metrics=metric_infos("navigation"),
-        matches=(),
-        summary={},
-    )
-    matches = tuple(
-        MatchTiming(
-            submission="homing", track="navigation", index=index, started=0, wall=1, steps=100, seats=(one,)
-        )
-        for index, one in enumerate(seats)
-    )
-    timings = Timings(started="", wall=0.0, jobs=1, matches=matches)
-    return Results(
-        versions=CURRENT_VERSIONS,
-        suite="quick",
-        seed=0,
-        sandbox="process",
-        evaluations=(homing,),
-        timings=timings,
-    )
-
-
-def cells(*seats: SeatTiming) -> list[str]:
-    """The row of the table in a terminal of 80 columns, cell by cell."""
+@pytest.mark.parametrize(
+    ("seats", "row"),
+    [
+        (  # the worst of all matches stands beside their median
+            [
+                seat(),
+                seat(
+                    latency_p50=0.004,
+                    latency_p99=0.09,
+                    latency_max=1.5,
+                    time_used=4.0,
+                    time_bank=28.6,
+                    start_up=3.0,
+                ),
+            ],
+            "3.0 ms 90 ms 1.5 s 3.0 s 0 28.6 s 3.0 s",
+        ),
+        (  # nothing is cut
+            [
+                seat(
+                    latency_p50=0.5,
+                    latency_p99=0.999,
+                    latency_max=30.1,
+                    time_used=999.9,
+                    late_steps=100,
+                    start_up=29.9,
+                )
+            ],
+            "500 ms 999 ms 30.1 s 999.9 s 100.0% 30.0 s 29.9 s",
+        ),
+        # late steps are a share of those that were asked for
+        ([seat(late_steps=10), seat()], "2.0 ms 4.0 ms 30 ms 2.0 s 5.0% 30.0 s 500 ms"),
+        ([], "- - - - - - -"),  # one that never played
+    ],
+)
+def test_the_times_of_a_submission_in_a_terminal_of_80_columns(seats: list[SeatTiming], row: str) -> None:
+    results = results_of("homing")
+    (timing,) = results.timings.matches
+    matches = tuple(timing.model_copy(update={"seats": (one,)}) for one in seats)
+    timings = results.timings.model_copy(update={"matches": matches})
     console = Console(file=io.StringIO(), width=80)
-    console.print(timing_table(results_of_seats(*seats)))
+
+    console.print(timing_table(results.model_copy(update={"timings": timings})))
+
     assert isinstance(console.file, io.StringIO)
-    *_, row = (line for line in console.file.getvalue().splitlines() if "navigation" in line)
-    return row.split()
-
-
-def test_the_worst_of_all_matches_is_shown_beside_their_median() -> None:
-    worse = seat(
-        latency_p50=0.004, latency_p99=0.09, latency_max=1.5, time_used=4.0, time_bank=28.6, start_up=3.0
-    )
-
-    row = cells(seat(), worse)
-
-    assert " ".join(row) == "navigation homing 3.0 ms 90 ms 1.5 s 3.0 s 0 28.6 s 3.0 s"
-
-
-def test_nothing_is_cut_in_a_narrow_terminal() -> None:
-    worst = seat(latency_p50=0.5, latency_p99=0.999, latency_max=30.1, time_used=999.9, late_steps=100)
-
-    row = cells(worst.model_copy(update={"start_up": 29.9}))
-
-    assert " ".join(row) == "navigation homing 500 ms 999 ms 30.1 s 999.9 s 100.0% 30.0 s 29.9 s"
-
-
-def test_late_steps_are_a_share_of_those_that_were_asked_for() -> None:
-    assert "5.0%" in cells(seat(late_steps=10), seat())
-
-
-def test_a_submission_that_never_played_has_no_times() -> None:
-    assert cells()[2:] == ["-"] * 7
+    *_, shown = (line for line in console.file.getvalue().splitlines() if "navigation" in line)
+    assert " ".join(shown.split()) == f"navigation homing {row}"
 
 
 @pytest.mark.parametrize(
@@ -272,14 +253,11 @@ def test_conditions_are_told_once_for_all_tracks_that_share_them(
         (1000, 1000, "me: 1,000 of 1,000 actions were invalid and played as no action"),
         (300, 1, "me: 1 of 300 actions was invalid"),
         (1, 1, "me: 1 of 1 action was invalid"),
+        (300, 0, "None"),  # nothing to tell
     ],
 )
 def test_invalid_actions_are_told(actions: int, invalid: int, says: str) -> None:
     assert str(invalid_actions_note("me", actions=actions, invalid=invalid)).startswith(says)
-
-
-def test_there_is_nothing_to_tell_of_valid_actions() -> None:
-    assert invalid_actions_note("me", actions=300, invalid=0) is None
 
 
 def test_what_waits_for_a_processor_did_not_cost_is_told() -> None:
@@ -292,10 +270,7 @@ def test_what_waits_for_a_processor_did_not_cost_is_told() -> None:
 
     line = evaluation_waits_note(results.evaluations[0], [timing])
 
+    assert evaluation_waits_note(results.evaluations[0], results.timings.matches) is None
+
     assert str(line).startswith("ann on navigation: the machine was so busy")
     assert str(line).endswith("its time banks did not pay 4.2 s of that, at most 3.0 s in a match")
-
-
-def test_there_is_nothing_to_tell_where_the_machine_kept_nobody_waiting() -> None:
-    results = results_of("ann")
-    assert evaluation_waits_note(results.evaluations[0], results.timings.matches) is None

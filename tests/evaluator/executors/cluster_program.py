@@ -13,20 +13,17 @@ MEMORY = 80 << 20  # bytes of each node's object store; Ray's least is 75 MiB
 
 def main() -> None:
     """Start a head without cores, carry out commands, and answer each with a line."""
-    settings = json.loads(sys.stdin.readline())
-    if "ray_version" in settings:
-        import ray
+    network = json.loads(sys.stdin.readline())["network"]
 
-        ray.__version__ = settings["ray_version"]
     from ray.cluster_utils import Cluster
 
     head = {
-        "num_cpus": settings.get("head_cores", 0),
+        "num_cpus": 0,
         "include_dashboard": False,
         "include_log_monitor": False,
         "no_monitor": True,  # nobody scales it
         "object_store_memory": MEMORY,
-        "node_ip_address": f"127.0.{settings['network']}.1",
+        "node_ip_address": f"127.0.{network}.1",
         "node_name": "head",
     }
     cluster = Cluster(initialize_head=True, head_node_args=head)
@@ -38,7 +35,7 @@ def main() -> None:
             nodes[command["name"]] = cluster.add_node(
                 num_cpus=command["cores"],
                 node_name=command["name"],
-                node_ip_address=f"127.0.{settings['network']}.{len(nodes) + 2}",
+                node_ip_address=f"127.0.{network}.{len(nodes) + 2}",
                 object_store_memory=MEMORY,
                 env_vars=command["variables"],
             )

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 import pytest
+from tests.commands import run_command
 from tests.evaluator.conftest import submission_in
-from tests.evaluator.executors.ray_evaluations import PLODDER, SUITE, played_here
+from tests.evaluator.executors.ray_evaluations import PLODDER, SUITE
 
 
 @pytest.fixture(scope="session")
@@ -25,4 +26,8 @@ def plodder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def plodder_here(plodder: Path, suite: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The plodder's evaluation on this machine."""
-    return played_here(plodder, suite, tmp_path_factory.mktemp("here") / "out")
+    out = tmp_path_factory.mktemp("here") / "out"
+    options = (f"--suite={suite}", "--sandbox=process", "--replays=none", "--workers=1", f"--out={out}")
+    done = run_command("evaluate", plodder, *options)
+    assert done.returncode == 0, done.stderr
+    return out

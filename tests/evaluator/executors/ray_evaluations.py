@@ -4,7 +4,6 @@ import json
 from collections import Counter
 from pathlib import Path
 
-from tests.commands import run_command
 from tests.evaluator.executors.ray_clusters import RayCluster
 from tests.evaluator.interrupted_runs import check_whole, files, without_timings
 
@@ -43,16 +42,6 @@ def options(cluster: RayCluster, suite: Path, sandbox: str = "process") -> list[
     """Return the options of an evaluation on a cluster."""
     on_cluster = ["--executor=ray", f"--address={cluster.address}"]
     return [*on_cluster, f"--suite={suite}", f"--sandbox={sandbox}", "--replays=none"]
-
-
-def played_here(folder: Path, suite: Path, out: Path) -> Path:
-    """Play the same matches on this machine."""
-    done = run_command(
-        *("evaluate", folder, f"--suite={suite}", "--sandbox=process", "--replays=none"),
-        *("--workers=1", f"--out={out}"),
-    )
-    assert done.returncode == 0, done.stderr
-    return out
 
 
 def check_equal(out: Path, expected: Path) -> None:

@@ -10,8 +10,8 @@ from tests.evaluator.sample_agents import WALKER, Command, Submit
 from wildscav.errors import UserError
 from wildscav_evaluator.executors import EXECUTORS, ExecutorError
 from wildscav_evaluator.executors.base import Examined
-from wildscav_evaluator.executors.cluster.connection import check_address
-from wildscav_evaluator.executors.ray_executor import RayExecutor, _no_sandbox
+from wildscav_evaluator.executors.cluster.connection import _reason, check_address
+from wildscav_evaluator.executors.ray_executor import _no_sandbox
 
 
 @pytest.mark.parametrize(
@@ -80,6 +80,9 @@ def test_why_no_node_can_play(found: list[Examined], reason: str) -> None:
     assert _no_sandbox(found, ["oci"]) == reason
 
 
-def test_an_executor_that_was_not_entered_does_nothing(submit: Submit) -> None:
-    with pytest.raises(RuntimeError, match="not entered"):
-        RayExecutor().choose_sandbox("process", [submit("walker", WALKER)])
+def test_another_release_of_ray_is_told_in_one_line() -> None:
+    error = RuntimeError("There:\n Ray: 2.55.0\n Python: 3.11.2\nHere:\n Ray: 2.50.1\n Python: 3.11.2")
+
+    assert _reason("10.0.0.1:6379", error).startswith(
+        "the Ray cluster at 10.0.0.1:6379 runs Ray 2.55.0 with Python 3.11.2, but here are Ray 2.50.1"
+    )

@@ -4,24 +4,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.executors.match_files import contents
+from tests.evaluator.interrupted_runs import contents
 from tests.evaluator.sample_agents import TALKER, Submit
+from tests.evaluator.small_matches import job_of
 from tests.evaluator.warm_workers import WarmWorkers
 
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.executors.cluster.messages import Played
 from wildscav_evaluator.executors.ray_executor import saved
 from wildscav_evaluator.matches.jobs import Job
-from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
+from wildscav_evaluator.output.layout import LOGS, RECORDS
 
 
 @pytest.fixture
 def job(submit: Submit, tmp_path: Path) -> Job:
-    for name in (RECORDS, REPLAYS, LOGS):
-        (tmp_path / "out" / name).mkdir(parents=True)
-    spec = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=1.0)
-    return Job.of_one(submit("talker", TALKER), "navigation", 0, spec, tmp_path / "out", replay=False)
+    return job_of(submit("talker", TALKER), tmp_path / "out")
 
 
 def test_the_files_of_a_match_are_those_of_a_local_worker(

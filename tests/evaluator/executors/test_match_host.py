@@ -6,15 +6,14 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.sample_agents import TALKER, Submit
+from tests.evaluator.small_matches import NAVIGATION
 
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.executors.cluster.match_host import Broken, MatchHost, Shipment
+from wildscav_evaluator.executors.cluster.match_host import Broken, MatchHost, Report, Shipment
 from wildscav_evaluator.executors.cluster.messages import Played
 from wildscav_evaluator.matches.jobs import Heartbeat, Job
 from wildscav_server import leftovers
 
-SPEC = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=1.0)
+SPEC = NAVIGATION.model_copy(update={"time_limit": 1.0})
 
 
 @pytest.fixture(scope="module")
@@ -28,11 +27,16 @@ def host() -> Iterator[MatchHost]:
         host.stop()
 
 
+def begin(host: MatchHost, job: Job, files: dict[str, bytes]) -> Report:
+    """Begin a match of a submission that this node has."""
+    (submission,) = job.submissions
+    host._arrived[submission.digest] = submission.folder
+    return host.play(job, {submission.folder: Shipment(submission.digest, None)}, files)
+
+
 def end_of(host: MatchHost, job: Job, files: dict[str, bytes]) -> Played | Broken:
-    """Play a match of a submission that this node has, until its end."""
-    digest = job.submissions[0].digest
-    host._arrived[digest] = job.submissions[0].folder
-    report = host.play(job, {job.submissions[0].folder: Shipment(digest, None)}, files)
+    """Play a match until its end."""
+    report = begin(host, job, files)
     while report.end is None:
         report = host.report()
     return report.end
@@ -79,11 +83,9 @@ def test_spectators_of_a_match_get_each_heartbeat_at_once(
         return Action()
 """
     job = Job.of_one(submit("slow", slow), "navigation", 0, SPEC, tmp_path / "not here", False, watched=True)
-    digest = job.submissions[0].digest
-    host._arrived[digest] = job.submissions[0].folder
     host.prepare()
 
-    reports = [host.play(job, {job.submissions[0].folder: Shipment(digest, None)}, {})]
+    reports = [begin(host, job, {})]
     while reports[-1].end is None:
         reports.append(host.report())
 

@@ -8,29 +8,27 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.executors.match_files import contents
 from tests.evaluator.executors.ray_clusters import RayCluster, ray_cluster
 from tests.evaluator.executors.ray_evaluations import PATIENCE, check_equal, options
-from tests.evaluator.executors.unlucky_agents import KILLS_ITS_FIRST_WORKER, KILLS_RAYS_PROCESS
-from tests.evaluator.interrupted_runs import Sitting, entered, files
-from tests.evaluator.sample_agents import TALKER, Command, Submit
-from tests.evaluator.sandbox.available import missing
+from tests.evaluator.interrupted_runs import Sitting, contents, entered, files
+from tests.evaluator.sample_agents import KILLS_ITS_FIRST_WORKER, TALKER, Command, Submit
 from tests.evaluator.sandbox.sandbox_runs import processes_with, wait_until
+from tests.evaluator.small_matches import job_of, need
 
 from wildscav_engine.maps import cache
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.executors import ExecutorError
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.executors.ray_executor import RayExecutor
 from wildscav_evaluator.map_making import choices_of_pool, make_maps, missing_maps
 from wildscav_evaluator.matches.jobs import AttemptFailed, Job, JobEvent
 from wildscav_evaluator.matches.workers import Workers
-from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.sandbox.process import WARNING
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
-SPEC = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=0)), time_limit=2.0)
+# Kills the parent of its parent, once.
+KILLS_RAYS_PROCESS = KILLS_ITS_FIRST_WORKER.replace(
+    "os.getppid()", 'int(open(f"/proc/{os.getppid()}/stat").read().rpartition(")")[2].split()[1])'
+)
 
 
 @pytest.fixture(scope="module")
@@ -48,13 +46,6 @@ def executor(two_nodes: RayCluster) -> Iterator[RayExecutor]:
         environment.delenv("RAY_AUTH_MODE")  # without being told to send it
         with RayExecutor(2, two_nodes.address) as connected:
             yield connected
-
-
-@pytest.fixture
-def out(tmp_path: Path) -> Path:
-    for name in (RECORDS, REPLAYS, LOGS):
-        (tmp_path / "out" / name).mkdir(parents=True)
-    return tmp_path / "out"
 
 
 def test_values_of_calls_come_in_the_order_of_the_items(executor: RayExecutor) -> None:
@@ -87,7 +78,7 @@ def test_another_token_is_refused_in_one_line(
 
 
 def test_matches_are_those_of_this_machine_and_a_process_that_is_killed_costs_an_attempt(
-    executor: RayExecutor, submit: Submit, tmp_path: Path, out: Path
+    executor: RayExecutor, submit: Submit, tmp_path: Path
 ) -> None:
     """One process of ours and one of Ray's are killed once, one match kills each, and one is not begun."""
     # Outside of its folder, because a node does not use a submission again that was changed there.
@@ -96,7 +87,8 @@ def test_matches_are_those_of_this_machine_and_a_process_that_is_killed_costs_an
     killer = KILLS_RAYS_PROCESS.replace(' and not os.path.exists("was_here")', "")
     bodies = {"talker": TALKER, "worker": worker, "host": host, "killer": killer, "withheld": TALKER}
     submissions = [submit(name, body) for name, body in bodies.items()]
-    jobs = [Job.of_one(one, "navigation", 0, SPEC, out, replay=False) for one in submissions]
+    out = tmp_path / "out"
+    jobs = [job_of(one, out) for one in submissions]
     lost: dict[str, list[str]] = {}
 
     def note(job: Job, event: JobEvent) -> None:
@@ -138,8 +130,7 @@ def test_a_command_that_is_interrupted_leaves_nothing_running_and_goes_on_where_
     plodder: Path, plodder_here: Path, suite: Path, two_nodes: RayCluster, tmp_path: Path
 ) -> None:
     """In a sandbox, in which the logs are those of this machine, too."""
-    if why := missing("bubblewrap"):
-        pytest.skip(f"bubblewrap does not work here: {why}")
+    need("bubblewrap")
     there = tmp_path / "there"
     arguments = (plodder, *options(two_nodes, suite, "bubblewrap"), "--workers=2")
     interrupted = Sitting(there, *arguments)

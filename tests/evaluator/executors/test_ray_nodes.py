@@ -2,35 +2,27 @@
 
 import json
 import shutil
-import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.executors.ray_clusters import RayCluster, ray_cluster
+from tests.evaluator.executors.ray_clusters import ray_cluster
 from tests.evaluator.executors.ray_evaluations import PATIENCE, check_equal, faults, options
 from tests.evaluator.interrupted_runs import Sitting, entered, files
 from tests.evaluator.sample_agents import Command
 from tests.evaluator.sandbox.available import missing
+from tests.evaluator.small_matches import need
 
 import wildscav_engine
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 
-@pytest.fixture
-def environment() -> Iterator[pytest.MonkeyPatch]:
-    """The environment of this process, which is as before after the test."""
-    with pytest.MonkeyPatch.context() as environment:
-        yield environment
-
-
 def test_nodes_that_are_killed_cost_their_matches_an_attempt_and_nobody_a_result(
-    plodder: Path, plodder_here: Path, suite: Path, tmp_path: Path, environment: pytest.MonkeyPatch
+    plodder: Path, plodder_here: Path, suite: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with ray_cluster("east", "west") as cluster:
-        cluster.use(environment)
+        cluster.use(monkeypatch)
         sitting = Sitting(tmp_path / "there", plodder, *options(cluster, suite))
         sitting.await_matches(2)
         cluster.kill("east")
@@ -63,11 +55,10 @@ def test_nodes_that_cannot_play_are_named_and_get_no_work(
     suite: Path,
     wildscav: Command,
     tmp_path: Path,
-    environment: pytest.MonkeyPatch,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The one that can plays in a container what is played here without a sandbox."""
-    if why := missing("oci"):
-        pytest.skip(f"oci does not work here: {why}")
+    need("oci")
     other = tmp_path / "other version"
     shutil.copytree(Path(wildscav_engine.__file__).parent, other / "wildscav_engine")
     version = other / "wildscav_engine" / "version.py"
@@ -76,13 +67,13 @@ def test_nodes_that_cannot_play_are_named_and_get_no_work(
     (tmp_path / "without" / "wildscav_evaluator" / "__init__.py").touch()
     there = tmp_path / "there"
     with ray_cluster("good") as cluster:
-        cluster.use(environment)
+        cluster.use(monkeypatch)
         cluster.add("old", PYTHONPATH=str(other))
         cluster.add("empty", PYTHONPATH=str(tmp_path / "without"))
         cluster.add("bare", PATH=str(Path(sys.executable).parent))
         only = ("--track=battle", f"--out={there}")
         done = wildscav("evaluate", plodder, *options(cluster, suite, "oci"), *only)
-        doctor = doctor_of(cluster, wildscav)
+        doctor = wildscav("doctor", "--executor=ray", "--json", f"--address={cluster.address}")
 
     assert done.returncode == 0, done.stderr
     printed = " ".join(done.stdout.split())
@@ -96,19 +87,3 @@ def test_nodes_that_cannot_play_are_named_and_get_no_work(
         assert by_name["good"]["sandboxes"][sandbox] == missing(sandbox)
         assert by_name["bare"]["sandboxes"][sandbox] != ""
     assert "simulation 9" in by_name["old"]["problem"]
-
-
-def test_a_cluster_of_another_release_of_ray_is_refused_in_one_line(
-    wildscav: Command, environment: pytest.MonkeyPatch
-) -> None:
-    with ray_cluster(ray_version="2.55.0") as cluster:
-        cluster.use(environment)
-        refused = doctor_of(cluster, wildscav)
-
-    assert refused.returncode == 1
-    assert refused.stderr.startswith(f"wildscav: the Ray cluster at {cluster.address} runs Ray 2.55.0")
-    assert len(refused.stderr.splitlines()) == 1
-
-
-def doctor_of(cluster: RayCluster, wildscav: Command) -> "subprocess.CompletedProcess[str]":
-    return wildscav("doctor", "--executor=ray", "--json", f"--address={cluster.address}")

@@ -43,14 +43,6 @@ def replace_record(forgery: Forgery) -> None:
     forgery.change_matches("ada", lambda row: with_metrics(row, metrics) if row.index == index else row)
 
 
-def stricter(forgery: Forgery) -> None:
-    forgery.tell(limits={"navigation": KeptLimits(memory=2**30)})
-
-
-def other_files(forgery: Forgery) -> None:
-    forgery.tell_of("ada", digest="0" * 32)
-
-
 def shut_in(forgery: Forgery) -> None:
     forgery.tell(sandbox="oci")
 
@@ -61,11 +53,6 @@ def excuse(forgery: Forgery) -> None:
         return MatchRow.of(row.index, seats, row.record)
 
     forgery.change_matches("bob", late)
-
-
-def read_words(forgery: Forgery) -> None:
-    ada, bob = forgery.results.evaluations
-    forgery.tell(evaluations=(ada.model_copy(update={"interface": "words"}), bob))
 
 
 def answer_faster(forgery: Forgery) -> None:
@@ -123,15 +110,15 @@ FORGERIES = {
         "navigation-00{worst}-ada: its record is not the one that ledger.jsonl names",
     ),
     "other limits": (
-        stricter,
+        lambda forgery: forgery.tell(limits={"navigation": KeptLimits(memory=2**30)}),
         "results.json says limits {{'navigation': KeptLimits(cpus=None, memory=1073741824",
     ),
     "another submission": (
-        other_files,
+        lambda forgery: forgery.tell_of("ada", digest="0" * 32),
         "ada on navigation: results.json and evaluation.json name another version, files or interface",
     ),
     "another interface": (
-        read_words,
+        lambda forgery: forgery.tell_of("ada", interface="words"),
         "ada on navigation: results.json and evaluation.json name another version, files or interface",
     ),
     "another sandbox": (shut_in, "results.json says sandbox oci, evaluation.json process"),

@@ -219,22 +219,18 @@ def test_another_team_is_named(forgery: Forgery, rescored: Rescored) -> None:
     assert f"of {LOSER} in team 1 (" in said
 
 
-def break_records(forgery: Forgery) -> None:
+def break_records_of_a_killed_run(forgery: Forgery) -> None:
     for path in (forgery.out / "records").iterdir():
         path.write_bytes(b"nothing")
-
-
-def break_records_of_a_killed_run(forgery: Forgery) -> None:
-    break_records(forgery)
     (forgery.out / RESULTS_FILE).unlink()
     (forgery.out / LEDGER_FILE).unlink()
 
 
-def name_another_track(forgery: Forgery) -> None:
-    forgery.tell_of(LOSER, track="royale")
-
-
-@pytest.mark.parametrize("ruin", [break_records_of_a_killed_run, name_another_track])
+@pytest.mark.parametrize(
+    "ruin",
+    [break_records_of_a_killed_run, lambda forgery: forgery.tell_of(LOSER, track="royale")],
+    ids=["broken", "another track"],
+)
 def test_what_cannot_be_rated_ends_in_lines_that_say_why(
     forgery: Forgery, rescored: Rescored, ruin: Callable[[Forgery], None]
 ) -> None:

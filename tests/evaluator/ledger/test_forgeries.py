@@ -1,13 +1,12 @@
 """Attempts to forge an evaluation or a comparison: which are found out, with and without a signature."""
 
-import subprocess
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from tests.evaluator.ledger.forgeries import FORGERIES, replace_record, shut_in, worst
 from tests.evaluator.ledger.forging import Forgery, Rescored
+from tests.evaluator.sample_agents import Command
 from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
@@ -57,7 +56,7 @@ def test_a_forgery_of_results_and_records_is_found_out_though_nobody_signed(
     assert "results.json is not the file that ledger.jsonl was closed with" in said
 
 
-@pytest.mark.parametrize("name", FORGERIES)
+@pytest.mark.parametrize("name", ["the worst match dropped", "another sandbox"])
 def test_a_forgery_of_everything_cannot_be_signed(
     signed: Forgery, rescored: Rescored, key: SigningKey, tmp_path: Path, name: str
 ) -> None:
@@ -147,7 +146,7 @@ def test_results_that_tell_what_there_is_not_are_one_clear_line(signed: Forgery,
 
 
 def test_the_command_ends_with_an_exit_code_and_a_line(
-    signed: Forgery, key: SigningKey, wildscav: Callable[..., "subprocess.CompletedProcess[str]"]
+    signed: Forgery, key: SigningKey, wildscav: Command
 ) -> None:
     shut_in(signed)
 
@@ -207,16 +206,16 @@ def told(out: Path, name: str) -> list[int]:
     return [int((out / "logs" / f"navigation-{index:03d}-{name}.log").read_text()) for index in MATCHES]
 
 
-def test_two_submissions_are_told_other_seeds_in_the_same_match(evaluated: Path) -> None:
-    assert len({*told(evaluated, "ada"), *told(evaluated, "bob")}) == 2 * len(MATCHES)
+def test_each_submission_is_told_seeds_of_its_own_and_the_same_ones_again(
+    plan: EvaluationPlan, evaluated: Path
+) -> None:
+    seeds = {name: told(evaluated, name) for name in ("ada", "bob")}
+    assert len({*seeds["ada"], *seeds["bob"]}) == 2 * len(MATCHES)
 
-
-def test_the_same_submission_is_told_the_same_seeds_again(plan: EvaluationPlan, evaluated: Path) -> None:
     again = replace(plan, submissions=tuple(load_submission(one.folder) for one in plan.submissions))
-    seeds = {
-        name: [job.seeds[0] for job in again.make_jobs() if job.evaluated == name] for name in ("ada", "bob")
+    assert seeds == {
+        name: [job.seeds[0] for job in again.make_jobs() if job.evaluated == name] for name in seeds
     }
-    assert seeds == {name: told(evaluated, name) for name in ("ada", "bob")}
 
 
 def test_another_secret_gives_other_seeds_even_in_the_same_match(plan: EvaluationPlan) -> None:

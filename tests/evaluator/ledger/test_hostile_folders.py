@@ -16,7 +16,7 @@ from wildscav_evaluator.output.identity import read_identity
 from wildscav_evaluator.output.record_names import record_paths
 from wildscav_evaluator.output.results import read_results
 from wildscav_evaluator.scores.audit import discrepancies, read_folder
-from wildscav_evaluator.scores.rescore import Replayed, replay_one
+from wildscav_evaluator.scores.rescore import Replayed, read_file, replay_file
 
 # Values that JSON has: any, and such as are just not right.
 WRONG = [0, -1, 10**9, 1e300, "", "ada", "bob", "navigation", "royale", "quick", "/proc/kmsg", [], {}]
@@ -33,7 +33,7 @@ Way = tuple[Any, ...]
 @pytest.fixture(scope="module")
 def replayed(evaluated: Path) -> list[Replayed]:
     """Its records, played again once."""
-    return [replay_one(path) for path in record_paths(evaluated)]
+    return [replay_file(read_file(path)) for path in record_paths(evaluated)]
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.executors.match_files import contents
-from tests.evaluator.interrupted_runs import Sitting
+from tests.evaluator.interrupted_runs import contents
 from tests.evaluator.ledger.forgeries import blame, worst
 from tests.evaluator.ledger.forging import Forgery, Rescored, with_metrics
 from tests.evaluator.results_by_hand import identity_of
@@ -18,19 +17,17 @@ from wildscav_evaluator.cli.sessions.verify_records import verify_records
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.entries import Closed, MatchStarted, Resumed
 from wildscav_evaluator.ledger.keys import SigningKey, new_key
-from wildscav_evaluator.ledger.ledger import LedgerError, parse_ledger, read_ledger
+from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, parse_ledger, read_ledger
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.output.identity import Identity
 from wildscav_evaluator.output.layout import LEDGER_FILE
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 
-SUITE = """
-name = "short"
-map = { size = 40, houses = 0 }
-[tracks.navigation]
-maps = 4
-match = { time_limit = 2.0 }
-"""
+
+def ledger_of(out: Path) -> Ledger:
+    ledger = read_ledger(out)
+    assert ledger is not None
+    return ledger
 
 
 @pytest.fixture
@@ -51,8 +48,7 @@ def test_a_ledger_goes_on_where_a_killed_one_ended(
     second.begin("navigation-000-ada")
 
     assert path.read_bytes().startswith(whole)
-    ledger = read_ledger(tmp_path)
-    assert ledger is not None
+    ledger = ledger_of(tmp_path)
     assert [type(entry.fact) for entry in ledger.entries[1:]] == [MatchStarted, Resumed, MatchStarted]
     assert ledger.head == second.head
     assert ledger.interrupted == {"navigation-000-ada": 1}, "a try that was interrupted does not vanish"
@@ -66,9 +62,7 @@ def test_a_match_that_the_platform_broke_was_not_interrupted(
         keeper.begin("navigation-000-ada")
         keeper.broke("navigation-000-ada", "the worker process died (SIGKILL)")
 
-    ledger = read_ledger(tmp_path)
-
-    assert ledger is not None
+    ledger = ledger_of(tmp_path)
     assert ledger.interrupted == {}
     assert len(ledger.entries) == 5
 
@@ -80,9 +74,7 @@ def test_a_ledger_killed_in_its_first_line_begins_again(
 
     LedgerWriter(tmp_path, identity, key)
 
-    ledger = read_ledger(tmp_path)
-    assert ledger is not None
-    assert ledger.identity == identity
+    assert ledger_of(tmp_path).identity == identity
 
 
 def test_no_text_in_a_ledger_can_steer_a_terminal(
@@ -95,9 +87,7 @@ def test_no_text_in_a_ledger_can_steer_a_terminal(
 
     assert line.isascii()
     assert line.decode().isprintable()
-    ledger = read_ledger(tmp_path)
-    assert ledger is not None
-    assert getattr(ledger.entries[-1].fact, "reason", "") == reason
+    assert getattr(ledger_of(tmp_path).entries[-1].fact, "reason", "") == reason
 
 
 def test_nothing_goes_on_in_a_ledger_that_was_changed(
@@ -118,39 +108,6 @@ def test_nothing_goes_on_in_a_ledger_that_was_changed(
     path.write_bytes(b"".join(lines))
     with pytest.raises(UserError, match="is of another evaluation"):
         LedgerWriter(tmp_path, identity.model_copy(update={"seed": "7"}), key)
-
-
-def ended(out: Path) -> int:
-    """How many matches the ledger of a running evaluation has."""
-    path = out / LEDGER_FILE
-    return path.read_bytes().count(b'"kind":"ended"') if path.exists() else 0
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("compiled")
-def test_a_signed_evaluation_that_was_killed_comes_to_a_whole_ledger(
-    pair: tuple[Path, Path],
-    tmp_path: Path,
-    key: SigningKey,
-    key_file: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    out, suite = tmp_path / "out", tmp_path / "short.toml"
-    suite.write_text(SUITE)
-    arguments = (*pair, f"--suite={suite}", "--replays=none", "--workers=2", "--sandbox=process")
-    signed = (*arguments, f"--sign={key_file}")
-
-    for least in (1, 4):
-        Sitting(out, *signed).kill_when(lambda least=least: ended(out) >= least)  # type: ignore[misc]
-    assert Sitting(out, *arguments).process.wait() == 2, "it went on without its key"
-    Sitting(out, *signed).process.wait()
-
-    ledger = read_ledger(out)
-    assert ledger is not None
-    assert sum(isinstance(entry.fact, Resumed) for entry in ledger.entries) == 2
-    assert len(ledger.played) == 8
-    run_rescore(out, LocalExecutor(1), key.public)
-    assert "8 records played again: all agree" in capsys.readouterr().out
 
 
 def claim_less_time(content: dict[str, object]) -> None:
@@ -205,9 +162,7 @@ def test_a_platform_fault_that_the_organizer_signed_is_borne_out(
 
 
 def test_the_ledger_tells_the_whole_evaluation(signed: Forgery, key: SigningKey) -> None:
-    ledger = read_ledger(signed.out)
-
-    assert ledger is not None
+    ledger = ledger_of(signed.out)
     assert ledger.key == key.public
     assert ledger.identity == signed.identity
     assert sorted(ledger.played) == sorted(path.stem for path in (signed.out / "records").iterdir())

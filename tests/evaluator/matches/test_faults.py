@@ -4,7 +4,6 @@ Each failure is real: at some call, a part of the server or the engine raises, a
 agents are processes, which see their streams end as they would then.
 """
 
-import asyncio
 import pkgutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,23 +11,20 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.evaluator import small_matches
 from tests.evaluator.sample_agents import QUITTER, TALKER, Submit
 
 from wildscav.errors import UserError
 from wildscav_engine.simulation.match import Match, MatchSetupError
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.agents import status_of
 from wildscav_evaluator.matches.play import (
     MAX_ATTEMPTS,
-    MatchAssignment,
     PlatformFaultError,
     PlayedMatch,
-    play_match,
 )
-from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits, Promise, RunningAgent, SandboxError
+from wildscav_evaluator.sandbox import Ending, Launch, SandboxError
+from wildscav_evaluator.sandbox.agents.agent_process import AgentProcess
 from wildscav_evaluator.sandbox.process import ProcessSandbox
-from wildscav_evaluator.sandbox.processor_waits import GroupMeter
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatStatus
@@ -50,16 +46,11 @@ ALL = [
     *(
         pytest.param(*seam, marks=pytest.mark.slow)
         for seam in (
-            ("wildscav_engine.simulation.match:Match.start_info", 1),  # for the first message to a seat
-            ("wildscav_engine.simulation.match:Match.start_info", 2),
+            ("wildscav_engine.simulation.match:Match.start_info", 2),  # for the first message to a seat
             ("wildscav_engine.simulation.match:Match.result", 1),  # for the last one
             ("wildscav_server.hosting.seat:Seat.read_sensors", 5),
-            ("wildscav_server.hosting.observations:SeatObservations.encode", 5),
-            ("wildscav_server.endpoints.match_service:MatchService._find_reservation", 2),
             ("wildscav_server.hosting.hosted_match:HostedMatch.join", 2),
             ("wildscav_server.hosting.hosted_match:HostedMatch.ready", 1),
-            ("wildscav_server.hosting.hosted_match:HostedMatch.next_observation", 3),
-            ("wildscav_server.hosting.hosted_match:encode_match_info", 1),
             ("wildscav_server.hosting.hosted_match:encode_seat_result", 2),
             ("wildscav_server.hosting.seat:Seat.conduct_message", 1),
             ("wildscav_server.time_limits:TimeBank.charge", 3),
@@ -90,11 +81,7 @@ def break_at(monkeypatch: pytest.MonkeyPatch, where: str, call: int) -> None:
 
 
 def play(*submissions: Submission, tmp_path: Path, **options: Any) -> PlayedMatch:
-    small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
-    seats = ("submission",) * len(submissions)
-    spec = MatchSpec(track="gathering", map=small, seats=seats, time_limit=STEPS / 10)
-    logs = tuple(tmp_path / f"{seat}.log" for seat in range(len(submissions)))
-    return asyncio.run(play_match(MatchAssignment(spec, submissions, logs), **options))
+    return small_matches.play(small_matches.seated(*submissions, folder=tmp_path), **options)
 
 
 def check_played_again(played: PlayedMatch) -> None:
@@ -141,35 +128,31 @@ CRASHES_FIRST = """
 """
 
 
-class LosesSight:
-    """The process sandbox, which cannot tell once how an agent ended."""
+class Flawed(ProcessSandbox):
+    """The process sandbox, which fails in chosen ways at its first starts: at once, or when an agent ends."""
 
-    name, isolated, runs_images, lost = "losing sight", False, False, False
+    def __init__(self, *failures: Exception | Callable[[], Ending]) -> None:
+        self._failures, self.starts = list(failures), 0
 
-    def promises(self, limits: object) -> tuple[()]:
-        return ()
-
-    async def start(self, launch: Launch) -> RunningAgent:
-        agent = await SANDBOXES["process"].start(launch)
-        if not self.lost:
-            self.lost = True
+    async def start(self, launch: Launch) -> AgentProcess:
+        self.starts += 1
+        failure = self._failures.pop(0) if self._failures else None
+        if isinstance(failure, Exception):
+            raise failure
+        agent = await super().start(launch)
+        if failure is not None:
             ended = agent.ended
 
-            async def breaks() -> Any:
+            async def otherwise() -> Ending:
                 await ended()
-                raise OSError(5, "Input/output error")
+                return failure()
 
-            agent.ended = breaks  # type: ignore[method-assign]
+            agent.ended = otherwise  # type: ignore[method-assign]
         return agent
 
 
-def test_an_agent_whose_end_the_sandbox_cannot_tell_is_not_blamed_for_it(
-    submit: Submit, tmp_path: Path
-) -> None:
-    played = play(submit("unlucky", CRASHES_FIRST), tmp_path=tmp_path, sandbox=LosesSight())
-
-    assert played.platform_faults == ("Input/output error",)
-    assert (played.seats[0].status, played.seats[0].steps_played) == ("finished", STEPS)
+def lose_sight() -> Ending:
+    raise OSError(5, "Input/output error")
 
 
 def test_what_a_sandbox_never_runs_is_not_tried_again(submit: Submit, tmp_path: Path) -> None:
@@ -188,10 +171,8 @@ def test_what_a_sandbox_takes_to_start_is_nobodys_time_to_join(
     happened: list[str] = []
     launched = HostedMatch.launched
 
-    class Told(LosesSight):
-        lost = True
-
-        async def start(self, launch: Launch) -> RunningAgent:
+    class Told(ProcessSandbox):
+        async def start(self, launch: Launch) -> AgentProcess:
             agent = await super().start(launch)
             happened.append("started")
             return agent
@@ -207,48 +188,6 @@ def test_what_a_sandbox_takes_to_start_is_nobodys_time_to_join(
     assert happened == ["started", "launched 0", "started", "launched 1"]
     assert [seat.status for seat in played.seats.values()] == ["finished", "finished"]
     assert all(seat.start_up is not None for seat in played.seats.values())
-
-
-class MatchEnded:
-    """An agent that runs as a process, but whose sandbox says something of its own about its end."""
-
-    def __init__(self, agent: RunningAgent, ending: Ending) -> None:
-        self._agent, self._ending = agent, ending
-
-    async def ended(self) -> Ending:
-        await self._agent.ended()
-        return self._ending
-
-    def meter(self) -> GroupMeter | None:
-        return self._agent.meter()
-
-    def overdue(self) -> str:
-        return self._agent.overdue()
-
-    async def stop(self) -> None:
-        await self._agent.stop()
-
-
-class Failing:
-    """The process sandbox, which fails in a chosen way at its first starts."""
-
-    name = "failing"
-    isolated = False
-    runs_images = False
-
-    def promises(self, limits: Limits) -> tuple[Promise, ...]:
-        return ()
-
-    def __init__(self, *failures: Exception | Ending) -> None:
-        self._failures, self.starts = list(failures), 0
-
-    async def start(self, launch: Launch) -> RunningAgent:
-        self.starts += 1
-        failure = self._failures.pop(0) if self._failures else None
-        if isinstance(failure, Exception):
-            raise failure
-        agent = await ProcessSandbox().start(launch)
-        return MatchEnded(agent, failure) if failure is not None else agent
 
 
 @pytest.mark.parametrize(
@@ -295,30 +234,31 @@ def test_an_agent_that_does_not_take_its_seat_in_time_never_joined(submit: Submi
 
 
 @pytest.mark.parametrize(
-    ("failure", "body"),
+    ("failure", "body", "fault"),
     [
-        (BlockingIOError(11, "Resource temporarily unavailable"), TALKER),
-        (SandboxError("podman create takes more than 120 s"), TALKER),
-        (Ending(exit_code=125, platform_fault="the container could not be started"), CRASHES_FIRST),
+        (BlockingIOError(11, "Resource temporarily unavailable"), TALKER, "Resource temporarily unavailable"),
+        (SandboxError("podman create takes more than 120 s"), TALKER, "podman create takes more than 120 s"),
+        (lambda: Ending(exit_code=125, platform_fault="it did not start"), CRASHES_FIRST, "it did not start"),
+        (lose_sight, CRASHES_FIRST, "Input/output error"),
     ],
-    ids=["no process", "slow sandbox", "broken sandbox"],
+    ids=["no process", "slow sandbox", "broken sandbox", "unknown end"],
 )
 def test_what_the_platform_breaks_is_played_again_from_the_start(
-    submit: Submit, tmp_path: Path, failure: Exception | Ending, body: str
+    submit: Submit, tmp_path: Path, failure: Exception | Callable[[], Ending], body: str, fault: str
 ) -> None:
-    sandbox = Failing(failure)
+    sandbox = Flawed(failure)
 
     played = play(submit("unlucky", body), tmp_path=tmp_path, sandbox=sandbox)
 
     assert sandbox.starts == 2
     assert (played.seats[0].status, played.seats[0].steps_played) == ("finished", STEPS)
-    assert len(played.platform_faults) == 1
+    assert played.platform_faults == (fault,)
     assert played.match.step_number == STEPS
     assert (tmp_path / "0.log").read_text().count("step 0\n") == 1  # nothing of the first try is left
 
 
 def test_a_platform_that_fails_again_and_again_gives_the_match_up(submit: Submit, tmp_path: Path) -> None:
-    sandbox = Failing(*[BlockingIOError(11, "Resource temporarily unavailable")] * 5)
+    sandbox = Flawed(*[BlockingIOError(11, "Resource temporarily unavailable")] * 5)
 
     with pytest.raises(PlatformFaultError, match=r"failed 3 times: Resource temporarily unavailable$"):
         play(submit("walker", TALKER), tmp_path=tmp_path, sandbox=sandbox)

@@ -1,19 +1,15 @@
 """An agent that floods its own socket from its sandbox is put out for it, and costs the other no step."""
 
-import asyncio
 import inspect
 import os
 from pathlib import Path
 
 import pytest
 from tests.evaluator.sample_agents import WALKER, Submit
-from tests.evaluator.sandbox.available import missing
+from tests.evaluator.small_matches import play, seated
 from tests.platform.helpers import raw_http2
 from tests.platform.helpers.attacked_server import memory
 
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import MatchAssignment, play_match
 from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server.hosting.reports import SeatStatus
@@ -85,15 +81,12 @@ def flooder(submit: Submit, when: str, kind: str) -> Submission:
 def test_a_flood_from_a_sandbox_costs_the_other_seat_no_step(
     submit: Submit, tmp_path: Path, sandbox: str, when: str, kind: str
 ) -> None:
-    if sandbox != "process" and missing(sandbox):
-        pytest.skip(missing(sandbox))
-    small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
-    spec = MatchSpec(track="gathering", map=small, seats=("submission",) * 2, time_limit=STEPS / 10)
-    seats = (flooder(submit, when, kind), submit("victim", WALKER))
-    seating = MatchAssignment(spec, seats, (tmp_path / "flooder.log", tmp_path / "victim.log"))
+    seating = seated(
+        flooder(submit, when, kind), submit("victim", WALKER), folder=tmp_path, seconds=STEPS / 10
+    )
     before = memory()
 
-    played = asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox], clock=CLOCK))
+    played = play(seating, sandbox, clock=CLOCK)
 
     attacker, victim = played.seats[0], played.seats[1]
     assert (victim.status, victim.late_steps, victim.steps_played) == ("finished", 0, STEPS)

@@ -7,17 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.evaluator import small_matches
 from tests.evaluator.sample_agents import ASKER, TALKER, Submit
-from tests.evaluator.sandbox.available import missing
 from tests.scripted_model import Answer, Failed, Messages, ScriptedModel, disturbed, in_turn, said
 
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import MatchAssignment, PlatformFaultError, PlayedMatch, play_match
+from wildscav_evaluator.matches.play import PlatformFaultError, PlayedMatch
 from wildscav_evaluator.model_gateway import model_server
 from wildscav_evaluator.model_gateway.gateway import ModelFaultError, open_gateway
 from wildscav_evaluator.model_gateway.settings import ModelSettings
-from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.usefixtures("compiled")
@@ -40,18 +37,10 @@ ISOLATED = ["bubblewrap", pytest.param("oci", marks=pytest.mark.slow)]
 def play(
     *submissions: Submission, model: ScriptedModel, tmp_path: Path, sandbox: str = "process", **settings: Any
 ) -> PlayedMatch:
-    if sandbox != "process" and missing(sandbox):
-        pytest.skip(missing(sandbox))
-    small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
-    seats = ("submission",) * len(submissions)
-    spec = MatchSpec(track="gathering", map=small, seats=seats, time_limit=STEPS / 10)
-    logs = tuple(tmp_path / f"{seat}.log" for seat in range(len(submissions)))
-    seating = MatchAssignment(
-        *(spec, submissions, logs),
-        model=ModelSettings(url=model.url, name="tiny", key_env="MODEL_KEY", retries=0, **settings),
-        exchanges=tmp_path / "exchanges.jsonl.gz",
-    )
-    return asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox]))
+    asked = ModelSettings(url=model.url, name="tiny", key_env="MODEL_KEY", retries=0, **settings)
+    exchanges = tmp_path / "exchanges.jsonl.gz"
+    options = {"seconds": STEPS / 10, "model": asked, "exchanges": exchanges}
+    return small_matches.play(small_matches.seated(*submissions, folder=tmp_path, **options), sandbox)
 
 
 @pytest.fixture(autouse=True)

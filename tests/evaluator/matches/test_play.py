@@ -2,27 +2,22 @@
 
 import asyncio
 import os
-import signal
 import threading
 from pathlib import Path
 
 import pytest
+from tests.evaluator.conftest import submission_in
 from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
-from tests.evaluator.sandbox.available import missing
+from tests.evaluator.small_matches import play, seated
 
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch, play_match
-from wildscav_evaluator.sandbox import SANDBOXES
 from wildscav_evaluator.sandbox.process import kill_session
 from wildscav_evaluator.submissions.submission import Submission
-from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.time_limits import Clock
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
-MAP = MapSpec(config=MapConfig(size=40, houses=1), seed=3)
 STEPS = 60
 THINKER = """
     def think(self):
@@ -36,14 +31,7 @@ THINKER = """
 
 
 def battle(*submissions: Submission, tmp_path: Path) -> MatchAssignment:
-    seats = ("submission",) * len(submissions) + ("fighter",)
-    spec = MatchSpec(track="battle", map=MAP, seats=seats, time_limit=STEPS / 10)
-    logs = tuple(tmp_path / f"{seat}.log" for seat in range(len(submissions)))
-    return MatchAssignment(spec, submissions, logs)
-
-
-def play(seating: MatchAssignment, **options: object) -> PlayedMatch:
-    return asyncio.run(play_match(seating, **options))  # type: ignore[arg-type]
+    return seated(*submissions, folder=tmp_path, track="battle", seconds=STEPS / 10, robots=("fighter",))
 
 
 def test_two_submissions_and_a_robot_play_to_the_end(submit: Submit, tmp_path: Path) -> None:
@@ -57,88 +45,60 @@ def test_two_submissions_and_a_robot_play_to_the_end(submit: Submit, tmp_path: P
     assert [report.steps_played for report in played.seats.values()] == [STEPS, STEPS]
 
 
-def test_an_agent_killed_in_mid_match_leaves_the_others_whole(submit: Submit, tmp_path: Path) -> None:
-    victim = submit(
-        "victim",
+# Agents that fail, each with what is said of its end.
+FAILING = {
+    "unborn": ("    def __init__(self): raise ValueError('no reason')", "ValueError: no reason"),
+    "resetless": ("    def reset(self, match): raise ValueError('no reason')", "ValueError: no reason"),
+    "crasher": ("    def act(self, observation): return 1 / 0", "ZeroDivisionError"),
+    "speechless": (
+        "    def act(self, observation): pass",
+        "Player.act() must return an Action, such as Action(",
+    ),
+    "locating": (
+        "    def act(self, observation): raise ValueError('no reason')",
+        "ValueError: no reason (agent.py:6, in act)",
+    ),
+    "verbose": (
+        "    def act(self, observation): raise ValueError('no reason\\nat all\\n  whatever')",
+        "ValueError: no reason",
+    ),
+    "parent": (  # its child holds its output open
         """
-    def act(self, observation):
-        if observation.step == 20:
-            print(os.getpid(), flush=True)
-            time.sleep(600)
-        return Action()
-""",
-    )
-    seating = battle(victim, submit("other", WALKER), tmp_path=tmp_path)
-    killing: list[asyncio.Task[None]] = []
-
-    async def kill() -> None:
-        log = seating.logs[0]
-        for _ in range(400):
-            if log.exists() and log.read_text().strip():
-                os.kill(int(log.read_text()), signal.SIGKILL)
-                return
-            await asyncio.sleep(0.05)
-
-    def started(_: HostedMatch) -> None:
-        killing.append(asyncio.create_task(kill()))
-
-    played = play(seating, on_start=started)
-
-    victim_report, other_report = played.seats[0], played.seats[1]
-    assert victim_report.status == SeatStatus.CRASHED
-    assert "killed by SIGKILL" in victim_report.detail
-    assert (victim_report.killed_by, len(victim_report.last_lines)) == ("SIGKILL", 1)
-    assert victim_report.steps_played == 20
-    assert other_report.status == SeatStatus.FINISHED
-    assert other_report.steps_played == STEPS
-    assert played.match.step_number == STEPS
-
-
-@pytest.mark.parametrize(
-    ("name", "body", "says"),
-    [
-        ("unborn", "    def __init__(self): raise ValueError('no reason')", "ValueError: no reason"),
-        ("resetless", "    def reset(self, match): raise ValueError('no reason')", "ValueError: no reason"),
-        ("crasher", "    def act(self, observation): return 1 / 0", "ZeroDivisionError"),
-        (
-            "speechless",
-            "    def act(self, observation): pass",
-            "Player.act() must return an Action, such as Action(",
-        ),
-        (
-            "locating",
-            "    def act(self, observation): raise ValueError('no reason')",
-            "ValueError: no reason (agent.py:6, in act)",
-        ),
-        (
-            "verbose",
-            "    def act(self, observation): raise ValueError('no reason\\nat all\\n  whatever')",
-            "ValueError: no reason",
-        ),
-        (
-            "parent",  # its child holds its output open
-            """
     def act(self, observation):
         subprocess.Popen(["sleep", "3"], start_new_session=True)
         raise ValueError("no reason")
 """,
-            "ValueError: no reason",
-        ),
-        ("quitter", "    def act(self, observation): os._exit(0)", "exit code 0"),
-    ],
-)
+        "ValueError: no reason",
+    ),
+    "quitter": ("    def act(self, observation): os._exit(0)", "exit code 0"),
+    "killed": ("    def act(self, observation): os.kill(os.getpid(), 9)", "killed by SIGKILL"),
+}
+
+
+@pytest.fixture(scope="module")
+def among_failing(tmp_path_factory: pytest.TempPathFactory) -> PlayedMatch:
+    """A match of one that walks with all that fail."""
+    place = tmp_path_factory.mktemp("failing")
+    agents = [submission_in(place, name, body) for name, (body, _) in FAILING.items()]
+    walker = submission_in(place, "walker", WALKER)
+    return play(seated(*agents, walker, folder=place, track="battle", seconds=STEPS / 10))
+
+
+@pytest.mark.parametrize(("seat", "name"), list(enumerate(FAILING)))
 def test_an_agent_that_fails_is_named_with_its_last_words(
-    submit: Submit, tmp_path: Path, name: str, body: str, says: str
+    among_failing: PlayedMatch, seat: int, name: str
 ) -> None:
-    seating = battle(submit(name, body), submit("other", WALKER), tmp_path=tmp_path)
+    report = among_failing.seats[seat]
 
-    played = play(seating)
+    assert report.status == SeatStatus.CRASHED
+    assert FAILING[name][1] in report.detail
+    assert "\n" not in report.detail
 
-    assert played.seats[0].status == SeatStatus.CRASHED
-    assert says in played.seats[0].detail
-    assert "\n" not in played.seats[0].detail
-    assert played.seats[1].status == SeatStatus.FINISHED
-    assert played.seats[1].steps_played == STEPS
+
+def test_those_that_fail_cost_another_no_step(among_failing: PlayedMatch) -> None:
+    walker = among_failing.seats[len(FAILING)]
+
+    assert (walker.status, walker.steps_played) == (SeatStatus.FINISHED, STEPS)
 
 
 @pytest.mark.slow
@@ -178,8 +138,7 @@ def test_a_match_that_is_cancelled_leaves_no_agent_behind(submit: Submit, tmp_pa
 def test_no_list_of_processes_is_read_where_agents_are_timed(
     submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sandbox: str
 ) -> None:
-    if why := sandbox != "process" and missing(sandbox):
-        pytest.skip(why)
+
     readers: list[threading.Thread] = []
     listdir = os.listdir
 
@@ -190,7 +149,7 @@ def test_no_list_of_processes_is_read_where_agents_are_timed(
 
     monkeypatch.setattr(os, "listdir", record)
 
-    played = play(battle(submit("walker", WALKER), tmp_path=tmp_path), sandbox=SANDBOXES[sandbox])
+    played = play(battle(submit("walker", WALKER), tmp_path=tmp_path), sandbox)
 
     assert played.seats[0].status == "finished"
     assert readers

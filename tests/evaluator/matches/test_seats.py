@@ -1,24 +1,26 @@
 """A submission in several seats of one match, and what spectators see of it while it runs."""
 
 import asyncio
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.evaluator.sample_agents import WALKER, Submit
+from tests.evaluator.conftest import submission_in
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.small_matches import SMALL, job_of
 
 from wildscav_engine.record import read_record, resimulate
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Heartbeat, Job, JobEvent, JobResult
 from wildscav_evaluator.matches.run_job import run_job
 from wildscav_evaluator.matches.snapshots import Happenings, WatchedMatch
 from wildscav_evaluator.matches.watchdog import ProgressTimeouts, Watchdog
 from wildscav_evaluator.output.folder import keep_only
-from wildscav_evaluator.output.layout import LOGS, RECORDS
+from wildscav_evaluator.output.layout import LOGS
 from wildscav_evaluator.sandbox import Limits
-from wildscav_evaluator.scores.rescore import recompute, replay_one
+from wildscav_evaluator.scores.rescore import read_file, recompute, replay_file
 from wildscav_evaluator.submissions.submission import Submission
 
 pytestmark = pytest.mark.usefixtures("compiled")
@@ -37,25 +39,16 @@ TWINS = """
             print("this is seat", self.seat)
         return Action(walk_direction=90.0 * self.seat, walk_speed=8.0)
 """
-LIMITS = Limits(output=4096)  # type: ignore[arg-type]
 
 
-def play(submission: Submission, out: Path, seats: tuple[str, ...]) -> JobResult:
-    for name in (RECORDS, LOGS):
-        (out / name).mkdir(parents=True)
-    small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
-    spec = MatchSpec(track="navigation", map=small, seats=seats, time_limit=STEPS / 10)
+@pytest.fixture(scope="module")
+def twins(tmp_path_factory: pytest.TempPathFactory) -> JobResult:
+    place, seats = tmp_path_factory.mktemp("twins"), ("walker", "submission", "walker", "submission")
+    spec = MatchSpec(track="navigation", map=SMALL, seats=seats, time_limit=STEPS / 10)
+    limits = Limits.model_validate({"output": 4096})
+    job = job_of(submission_in(place, "twins", TWINS), place / "out", spec=spec, limits=limits)
     with asyncio.Runner() as runner:
-        return run_job(
-            runner,
-            Job.of_one(submission, "navigation", 0, spec, out, False, limits=LIMITS),
-        )
-
-
-@pytest.fixture
-def twins(submit: Submit, tmp_path: Path) -> JobResult:
-    seats = ("walker", "submission", "walker", "submission")
-    return play(submit("twins", TWINS), tmp_path / "out", seats)
+        return run_job(runner, job)
 
 
 def test_each_seat_has_a_log_of_its_own_which_is_cut_alone(twins: JobResult) -> None:
@@ -94,7 +87,7 @@ def test_a_match_went_wrong_if_one_of_its_seats_did_and_scores_their_mean(twins:
 
 
 def test_a_record_bears_out_every_seat(twins: JobResult) -> None:
-    replayed = replay_one(twins.job.out / str(twins.row.record))
+    replayed = replay_file(read_file(twins.job.out / str(twins.row.record)))
 
     assert replayed.fault == ""
     assert replayed.metrics == twins.row.metrics
@@ -104,21 +97,14 @@ def test_a_record_bears_out_every_seat(twins: JobResult) -> None:
     ]
 
 
-def test_logs_of_seats_are_kept_with_their_match(twins: JobResult) -> None:
-    keep_only(twins.job.out, [twins.job.stem])
-    assert (twins.job.out / twins.job.record).exists()
-    assert all((twins.job.out / log).exists() for log in twins.row.logs)
+def test_logs_of_seats_are_kept_with_their_match(twins: JobResult, tmp_path: Path) -> None:
+    out = shutil.copytree(twins.job.out, tmp_path / "out")
+    keep_only(out, [twins.job.stem])
+    assert (out / twins.job.record).exists()
+    assert all((out / log).exists() for log in twins.row.logs)
 
-    keep_only(twins.job.out, [])
-    assert list((twins.job.out / LOGS).iterdir()) == []
-
-
-def test_a_submission_in_one_seat_has_one_log_and_its_own_metrics(submit: Submit, tmp_path: Path) -> None:
-    result = play(submit("walker", WALKER + "\nprint('here')"), tmp_path / "out", ("submission", "walker"))
-
-    (seat,) = result.row.seats
-    assert seat.log == "logs/navigation-000-walker.log"
-    assert result.row.metrics == seat.metrics
+    keep_only(out, [])
+    assert list((out / LOGS).iterdir()) == []
 
 
 # Takes its time, so that a match lasts for several heartbeats.
@@ -128,16 +114,15 @@ SLOW = """
         time.sleep(0.05)
         return Action(walk_direction=90.0, walk_speed=8.0)
 """
-SMALL = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
+
+
 SPEC = MatchSpec(track="battle", map=SMALL, seats=("submission", "fighter"), time_limit=4.0)
 
 
 def heartbeats_of(submission: Submission, out: Path, watched: bool) -> tuple[Job, list[Heartbeat]]:
     """Play a match, and return what it reported."""
-    for name in (RECORDS, LOGS):
-        (out / name).mkdir(parents=True)
     events: list[JobEvent] = []
-    job = Job.of_one(submission, "battle", 0, SPEC, out, False, watched=watched)
+    job = job_of(submission, out, spec=SPEC, watched=watched)
     with asyncio.Runner() as runner:
         result = run_job(runner, job, events.append)
     assert result.row.status == "finished", result.row.detail
@@ -198,7 +183,7 @@ def test_what_happens_between_two_snapshots_is_in_the_later_one() -> None:
 
 
 def test_a_watched_match_that_stands_still_is_noticed(submit: Submit, tmp_path: Path) -> None:
-    job = Job.of_one(submit("slow", SLOW), "battle", 0, SPEC, tmp_path, False, watched=True)
+    job = job_of(submit("slow", SLOW), tmp_path, spec=SPEC, watched=True)
     watchdog = Watchdog(job, ProgressTimeouts(step=1.0))
     moment = Happenings(Match(SPEC)).take()
     watchdog.hear(Heartbeat(5, 1, (moment,)))

@@ -1,16 +1,14 @@
 """Nobody plays at another's cost: not by its token, and not by its time."""
 
-import asyncio
 from pathlib import Path
 
 import pytest
+from tests.evaluator import small_matches
 from tests.evaluator.sample_agents import Submit
-from tests.evaluator.sandbox.available import missing
+from tests.evaluator.small_matches import need, seated
 
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch, play_match
-from wildscav_evaluator.sandbox import SANDBOXES, Limits
+from wildscav_evaluator.matches.play import PlayedMatch
+from wildscav_evaluator.sandbox import Limits
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server.hosting.hosted_match import HostedMatch
 
@@ -51,18 +49,12 @@ ELSEWHERE = '.replace("/0/match.sock", "/1/match.sock")'  # the victim's socket,
 
 def play(thief: Submission, victim: Submission, sandbox: str, tmp_path: Path) -> tuple[PlayedMatch, str]:
     """Play a match in which the thief is given the victim's token; return it with what the thief says."""
-    if sandbox != "process" and missing(sandbox):
-        pytest.skip(missing(sandbox))
-    small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
-    spec = MatchSpec(track="gathering", map=small, seats=("submission",) * 2, time_limit=STEPS / 10)
-    logs = (tmp_path / "thief.log", tmp_path / "victim.log")
 
     def steal(hosted: HostedMatch) -> None:
         (thief.folder / "stolen.txt").write_text(hosted.tokens[1])
 
-    seating = MatchAssignment(spec, (thief, victim), logs)
-    played = asyncio.run(play_match(seating, sandbox=SANDBOXES[sandbox], on_start=steal))
-    return played, logs[0].read_text()
+    seating = seated(thief, victim, folder=tmp_path, seconds=STEPS / 10)
+    return small_matches.play(seating, sandbox, on_start=steal), (tmp_path / "0.log").read_text()
 
 
 @pytest.mark.parametrize("sandbox", ["process", "bubblewrap", pytest.param("oci", marks=pytest.mark.slow)])
@@ -116,15 +108,14 @@ HOG = """
 """
 
 
-def share_while_waiting(sandbox: str, seats: tuple[Submission, ...], tmp_path: Path) -> float:
+def share_while_waiting(sandbox: str, seats: tuple[Submission, ...], folder: Path) -> float:
     """Return how many cores the last seat's agent kept busy while it waited for the others."""
-    small = MapSpec(config=MapConfig(size=40, houses=0), seed=3)
-    filled = ("submission",) * len(seats)
-    spec = MatchSpec(track="gathering", map=small, seats=filled, time_limit=FAIR_STEPS / 10)
-    logs = tuple(tmp_path / f"{sandbox}-{seat}.log" for seat in range(len(seats)))
-    played = asyncio.run(play_match(MatchAssignment(spec, seats, logs, LIMITS), sandbox=SANDBOXES[sandbox]))
+    folder.mkdir()
+    seating = seated(*seats, folder=folder, seconds=FAIR_STEPS / 10, limits=LIMITS)
+    played = small_matches.play(seating, sandbox)
     assert {report.status for report in played.seats.values()} == {"finished"}
-    lines = [[float(word) for word in line.split()] for line in logs[-1].read_text().splitlines()]
+
+    lines = [[float(word) for word in line.split()] for line in seating.logs[-1].read_text().splitlines()]
     (began, before), (ended, after) = lines[5], lines[-1]
     return (after - before) / (ended - began)
 
@@ -133,9 +124,8 @@ def share_while_waiting(sandbox: str, seats: tuple[Submission, ...], tmp_path: P
 def test_an_agent_that_works_while_it_waits_has_its_own_share_of_the_processor_and_no_more(
     submit: Submit, tmp_path: Path
 ) -> None:
-    if missing("bubblewrap"):
-        pytest.skip(missing("bubblewrap"))
+    need("bubblewrap")
     seats = (submit("thinker", THINKER), submit("hog", HOG))
 
-    assert share_while_waiting("process", seats, tmp_path) > 1.6 * LIMITS.cpus  # the control
-    assert share_while_waiting("bubblewrap", seats, tmp_path) < 1.2 * LIMITS.cpus
+    assert share_while_waiting("process", seats, tmp_path / "process") > 1.6 * LIMITS.cpus  # the control
+    assert share_while_waiting("bubblewrap", seats, tmp_path / "bubblewrap") < 1.2 * LIMITS.cpus

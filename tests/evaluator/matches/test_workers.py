@@ -11,10 +11,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
+from tests.evaluator.sample_agents import KILLS_ITS_FIRST_WORKER, SLEEPER, WALKER, Submit
+from tests.evaluator.small_matches import SMALL, job_of
 
 from wildscav_engine.record import read_record, verify_record
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.matches.jobs import Job, JobEvent, JobResult, RenderingReplay
 from wildscav_evaluator.matches.play import MatchAssignment
@@ -23,7 +23,6 @@ from wildscav_evaluator.matches.watchdog import ProgressTimeouts
 from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.monitoring.dashboard import match_counts
 from wildscav_evaluator.monitoring.monitor import EvaluationMetrics, Monitor, MonitorOptions
-from wildscav_evaluator.output.layout import LOGS, RECORDS, REPLAYS
 from wildscav_evaluator.sandbox import Limits
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -31,15 +30,6 @@ KILLS_EVERY_WORKER = """
     def act(self, observation):
         os.kill(os.getppid(), signal.SIGKILL)
         time.sleep(600)
-"""
-KILLS_ITS_FIRST_WORKER = """
-    def act(self, observation):
-        print("step", observation.step)
-        if observation.step == 7 and not os.path.exists("was_here"):
-            open("was_here", "w").close()
-            os.kill(os.getppid(), signal.SIGKILL)
-            time.sleep(600)
-        return Action(walk_speed=5.0)
 """
 # Stops the worker, as if the worker hung.
 STOPS_EVERY_WORKER = """
@@ -62,8 +52,6 @@ STEPS = 20
 
 @pytest.fixture
 def out(tmp_path: Path) -> Path:
-    for name in (RECORDS, REPLAYS, LOGS):
-        (tmp_path / "out" / name).mkdir(parents=True)
     return tmp_path / "out"
 
 
@@ -78,9 +66,8 @@ def sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def job(submission: Submission, index: int, out: Path) -> Job:
-    small = MapSpec(config=MapConfig(size=40, houses=0))
-    spec = MatchSpec(track="navigation", map=small, seed=index, time_limit=STEPS / 10)
-    return Job.of_one(submission, "navigation", index, spec, out, replay=False)
+    spec = MatchSpec(track="navigation", map=SMALL, seed=index, time_limit=STEPS / 10)
+    return job_of(submission, out, index, spec)
 
 
 def run(

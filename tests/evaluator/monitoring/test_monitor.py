@@ -4,7 +4,6 @@ import io
 import json
 import re
 import urllib.request
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,8 @@ from prometheus_client.parser import text_string_to_metric_families
 from rich.console import Console
 from tests.evaluator.monitoring.jobs_by_hand import jobs, played
 from tests.evaluator.results_by_hand import plan_of
+from tests.evaluator.sample_agents import WALKER, Submit
+from tests.evaluator.small_matches import tiny_suite
 
 from wildscav.errors import UserError
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -27,13 +28,9 @@ from wildscav_evaluator.monitoring.monitor import (
 )
 from wildscav_evaluator.monitoring.tally import Tally
 from wildscav_evaluator.output.results import MatchRow
-from wildscav_evaluator.submissions.submission import Submission, load_submission
 from wildscav_evaluator.suites.suite_file import read_suite
 from wildscav_server.monitoring.logs import open_log
 from wildscav_server.monitoring.metrics import serving_metrics
-
-HOMING = Path(__file__).parents[3] / "submissions" / "homing"
-SUITE = 'name = "short"\nmap = { size = 40, houses = 0 }\n[tracks.navigation]\nmaps = 2\n'
 
 
 def scraped(address: str | None) -> dict[tuple[str, ...], float]:
@@ -116,18 +113,19 @@ def test_text_is_for_people_and_without_a_form_nothing_is_written(capsys: pytest
 
 
 @pytest.mark.slow
-def test_an_evaluation_is_watched_while_it_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "short.toml").write_text(SUITE)
-    plan = plan_of(load_submission(HOMING), out=tmp_path / "out", suite=read_suite(tmp_path / "short.toml"))
-
-    run_session(plan, MonitorOptions("json", 0))
+def test_an_evaluation_is_watched_while_it_runs(
+    submit: Submit, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    suite = read_suite(tiny_suite(tmp_path, maps=2, seconds=1))
+    run_session(
+        plan_of(submit("walker", WALKER), out=tmp_path / "out", suite=suite), MonitorOptions("json", 0)
+    )
 
     said = capsys.readouterr()
     assert "metrics   http://127.0.0.1:" in said.out
     events = [json.loads(line) for line in io.StringIO(said.err) if line.startswith("{")]
     assert [one["event"] for one in events].count("match_ends") == 2
-    assert events[-1]["event"] == "evaluation_ends"
-    assert events[-1]["failed"] == 0
+    assert (events[-1]["event"], events[-1]["failed"]) == ("evaluation_ends", 0)
 
 
 NODES = (
@@ -187,7 +185,6 @@ def test_a_node_that_is_lost_is_told_once(capsys: pytest.CaptureFixture[str]) ->
     assert (lost["node"], lost["detail"]) == ("east", "it was lost")
 
 
-Submit = Callable[..., Submission]
 DETAIL = "the agent's process ended (exit code 3): RuntimeError: [red]lost[/red] the thread, and much more"
 
 
@@ -221,11 +218,10 @@ def test_a_failure_is_said_whole_above_the_live_table(submit: Submit, tmp_path: 
     assert all(len(line) <= 80 for line in lines)
 
 
-def test_the_table_is_there_before_the_first_match_ends(submit: Submit, tmp_path: Path) -> None:
-    job = Job.of_one(submit("walker"), "navigation", 0, MatchSpec(track="navigation"), tmp_path, replay=False)
+def test_the_table_is_there_before_the_first_match_ends() -> None:
     console = Console(file=io.StringIO(), force_terminal=True, width=80)
 
-    with EvaluationProgress(console, Tally([job])).shown():
+    with EvaluationProgress(console, Tally(jobs(navigation=1))).shown():
         assert isinstance(console.file, io.StringIO)
         assert "walker" in console.file.getvalue()
 

@@ -1,6 +1,5 @@
 """Where an evaluation stands: counts, scores so far and the time left."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -8,11 +7,8 @@ from rich.console import Console
 from tests.evaluator.monitoring.jobs_by_hand import jobs, played
 
 from wildscav_evaluator.matches.jobs import Heartbeat
-from wildscav_evaluator.monitoring import tally as tally_module
 from wildscav_evaluator.monitoring.dashboard import dashboard, duration
 from wildscav_evaluator.monitoring.tally import Tally
-from wildscav_evaluator.output.results import Summary
-from wildscav_evaluator.scores.score import summarize
 
 
 class Clock:
@@ -185,22 +181,3 @@ def test_many_running_matches_do_not_fill_the_terminal(clock: Clock) -> None:
 )
 def test_durations(seconds: float, says: str) -> None:
     assert duration(seconds) == says
-
-
-def test_intervals_are_computed_only_for_what_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A tournament of a thousand entrants would otherwise spend most of its time on intervals."""
-    asked: list[int] = []
-
-    def counting(values: Sequence[float]) -> Summary:
-        asked.append(len(values))
-        return summarize(values)
-
-    monkeypatch.setattr(tally_module, "summarize", counting)
-    every = jobs(navigation=4)
-    tally = Tally(every)
-    for job in every:
-        (line,) = tally.add(played(job, 1.0))
-    assert asked == []
-    assert line.summary is not None
-    assert line.summary == line.summary
-    assert asked == [4]

@@ -1,6 +1,5 @@
 """Files of an output folder may be anybody's: what is read, and at a price that is known."""
 
-import json
 import os
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from wildscav_evaluator.ledger.ledger import LedgerError, read_ledger
 from wildscav_evaluator.output.identity import read_identity
 from wildscav_evaluator.output.json_files import LARGEST, SMALL
 from wildscav_evaluator.output.layout import LEDGER_FILE
-from wildscav_evaluator.output.results import CURRENT_VERSIONS, Results, Timings, read_results, write_results
+from wildscav_evaluator.output.results import read_results, write_results
 from wildscav_evaluator.suites.seeds import read_secret
 from wildscav_evaluator.suites.suite_file import read_suite
 
@@ -77,23 +76,6 @@ def test_what_would_eat_time_or_memory_is_refused_in_a_line(
         READERS[name](tmp_path / name)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 500
-
-
-NOTHING = Timings(started="", wall=0.0, jobs=1, matches=())
-
-
-@pytest.fixture
-def results() -> Results:
-    return Results(
-        versions=CURRENT_VERSIONS, suite="quick", seed=0, sandbox="process", evaluations=(), timings=NOTHING
-    )
-
-
-def test_results_say_by_which_versions_they_came_about(results: Results, tmp_path: Path) -> None:
-    path = write_results(results, tmp_path)
-
-    assert read_results(path) == results
-    assert json.loads(path.read_text())["versions"].keys() == {"engine", "simulation", "generator", "record"}
 
 
 @pytest.mark.parametrize(

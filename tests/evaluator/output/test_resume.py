@@ -7,32 +7,25 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.interrupted_runs import Sitting, check_whole, entered, files, without_timings
+from tests.evaluator.small_matches import tiny_suite
 
+from wildscav_evaluator.cli.sessions.rescore import run_rescore
+from wildscav_evaluator.executors.local import LocalExecutor
+from wildscav_evaluator.ledger.keys import SigningKey
 from wildscav_evaluator.output.results import read_results
 
 pytestmark = pytest.mark.usefixtures("compiled")
 
-# Short matches: what is looked at is what lies between them.
-SUITE = """
-name = "short"
-map = { size = 40, houses = 0 }
-[tracks.navigation]
-maps = 2
-match = { time_limit = 2.0 }
-"""
 MATCHES = 4  # of both
 KILLS = 2  # at random moments; WILDSCAV_TEST_KILLS asks for more
 
 
 @pytest.fixture
-def suite(tmp_path: Path) -> Path:
-    path = tmp_path / "short.toml"
-    path.write_text(SUITE)
-    return path
-
-
-def arguments(pair: tuple[Path, Path], suite: Path) -> tuple[object, ...]:
-    return *pair, f"--suite={suite}", "--replays=none", "--workers=1"
+def arguments(pair: tuple[Path, Path], key_file: Path, key: SigningKey, tmp_path: Path) -> tuple[object, ...]:
+    """An evaluation that is signed, of short matches: what is looked at is what lies between them."""
+    assert key_file.exists()
+    suite = tiny_suite(tmp_path, maps=2, seconds=2)
+    return *pair, f"--suite={suite}", "--replays=none", "--workers=1", f"--sign={key_file}"
 
 
 def check_same_as_whole(out: Path, whole: Path) -> None:
@@ -46,9 +39,11 @@ def check_same_as_whole(out: Path, whole: Path) -> None:
 
 
 @pytest.mark.slow
-def test_kills_at_random_moments_lose_nothing(pair: tuple[Path, Path], suite: Path, tmp_path: Path) -> None:
+def test_kills_at_random_moments_lose_nothing(
+    arguments: tuple[object, ...], key: SigningKey, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     whole, most = tmp_path / "whole", int(os.environ.get("WILDSCAV_TEST_KILLS", KILLS))
-    sitting = Sitting(whole, *arguments(pair, suite))
+    sitting = Sitting(whole, *arguments)
     sitting.await_begin()
     started = time.monotonic()
     sitting.process.wait()
@@ -57,7 +52,7 @@ def test_kills_at_random_moments_lose_nothing(pair: tuple[Path, Path], suite: Pa
     folders = (tmp_path / f"out-{number}" for number in range(1000))
     out, before = next(folders), {}
     while True:
-        sitting = Sitting(out, *arguments(pair, suite))
+        sitting = Sitting(out, *arguments)
         killed = kills < most and sitting.kill_after(dice.uniform(0.0, 0.7 * length))
         if killed:
             kills += 1
@@ -69,6 +64,8 @@ def test_kills_at_random_moments_lose_nothing(pair: tuple[Path, Path], suite: Pa
         before = now
         if not killed:
             check_same_as_whole(out, whole)
+            run_rescore(out, LocalExecutor(1), key.public)
+            assert f"{MATCHES} records played again: all agree" in capsys.readouterr().out
             if kills == most:
                 break
             out, before = next(folders), {}

@@ -11,11 +11,14 @@ import tempfile
 import time
 import uuid
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits
+from wildscav_evaluator.matches.play import launch_for
+from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits, Sandbox
+from wildscav_evaluator.submissions.submission import Submission
+from wildscav_server import leftovers
 
 MEBIBYTE = 1 << 20
 GROUPS = Path("/sys/fs/cgroup")
@@ -170,6 +173,25 @@ def _remove_group(group: Path) -> bool:
     return True
 
 
+def run_agent(
+    sandbox: Sandbox, submission: Submission, folder: Path, limits: Limits = LIMITS, **options: Any
+) -> tuple[Ending, str]:
+    """Run an agent to its end; return how it ended and what is in its log."""
+    log = options.pop("log", folder / "log")
+
+    async def to_end(address: str) -> Ending:
+        launch = launch_for(submission, address, "of the seat", log, limits)
+        agent = await sandbox.start(replace(launch, **options))
+        try:
+            return await agent.ended()
+        finally:
+            await agent.stop()
+
+    with listening(folder / "match.sock") as address:
+        ending = asyncio.run(to_end(address))
+    return ending, log.read_text() if log.is_file() else ""
+
+
 @contextlib.contextmanager
 def listening(path: Path) -> Iterator[str]:
     """Listen on a unix socket; yield its address."""
@@ -212,6 +234,13 @@ def _read_file(process: int, name: str) -> str:
         return Path(f"/proc/{process}/{name}").read_text(errors="replace")
     except OSError:
         return ""
+
+
+def folders_of(process: int) -> list[Path]:
+    """Return the folders of a process for temporary things, once those of the dead are removed."""
+    leftovers.sweep()
+    locks = Path(tempfile.gettempdir()).glob(f"wildscav-*/{leftovers.LOCK}")
+    return [lock.parent for lock in locks if lock.read_text().strip() == str(process)]
 
 
 def wait_until(condition: Callable[[], bool], seconds: float = 120.0) -> None:

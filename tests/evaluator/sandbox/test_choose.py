@@ -1,11 +1,11 @@
 """Which sandbox is taken, and what is said about it. The sandboxes here are as others would write one."""
 
-import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.available import missing
+from tests.evaluator.sample_agents import Command
+from tests.evaluator.small_matches import need
 
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Launch, Promise, RunningAgent, SandboxError
 from wildscav_evaluator.sandbox.choose import choose
@@ -106,9 +106,8 @@ def test_what_was_kept_is_not_tried_again_and_what_was_broken_is() -> None:
 
 
 @pytest.mark.slow
-def test_the_doctor_tries_every_promise(wildscav: Callable[..., "subprocess.CompletedProcess[str]"]) -> None:
-    if missing("bubblewrap"):
-        pytest.skip(missing("bubblewrap"))
+def test_the_doctor_tries_every_promise(wildscav: Command) -> None:
+    need("bubblewrap")
 
     done = wildscav("doctor")
 
@@ -118,7 +117,7 @@ def test_the_doctor_tries_every_promise(wildscav: Callable[..., "subprocess.Comp
 
 
 def test_without_programs_the_doctor_says_what_to_install(
-    wildscav: Callable[..., "subprocess.CompletedProcess[str]"],
+    wildscav: Command,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

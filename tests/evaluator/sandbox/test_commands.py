@@ -1,25 +1,18 @@
 """What an agent is given: its command, its limits, and exactly the files that its digest covers."""
 
-import asyncio
 import py_compile
 import subprocess
 import sys
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from pydantic import ValidationError
-from tests.evaluator.sandbox.sandbox_runs import LIMITS, listening
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.sandbox.sandbox_runs import run_agent
 
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.jobs import Job
-from wildscav_evaluator.matches.play import launch_for
-from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, Limits, Sandbox
+from wildscav_evaluator.sandbox import Ending, Limits, Sandbox
 from wildscav_evaluator.submissions.submission import Submission, folder_digest, load_submission
 
-Submit = Callable[..., Submission]
 PROGRAM = """#!/bin/sh
 echo "$0 $1 in $PWD, $(cat data.txt), $WILDSCAV_TOKEN, ${WILDSCAV_START_LIMIT}s"
 test -S "${WILDSCAV_ADDRESS#unix:}" && echo "a socket"
@@ -46,63 +39,25 @@ def written(folder: Path, command: str) -> Submission:
 
 
 def run(sandbox: Sandbox, submission: Submission, folder: Path) -> tuple[Ending, str]:
-    async def to_end(address: str) -> Ending:
-        launch = replace(
-            launch_for(submission, address, "of the seat", folder / "log", LIMITS), start_limit=30.0
-        )
-        agent = await sandbox.start(launch)
-        try:
-            return await agent.ended()
-        finally:
-            await agent.stop()
-
-    with listening(folder / "match.sock") as address:
-        ending = asyncio.run(to_end(address))
-    return ending, (folder / "log").read_text()
+    return run_agent(sandbox, submission, folder, start_limit=30.0)
 
 
 def test_a_program_is_run_in_its_folder_with_address_and_token(
-    real: Sandbox, program: Submission, tmp_path: Path
+    sandbox: Sandbox, program: Submission, tmp_path: Path
 ) -> None:
-    ending, log = run(real, program, tmp_path)
+    ending, log = run(sandbox, program, tmp_path)
 
-    assert log == "./go --fast in /submission, of its own, of the seat, 30s\na socket\n"
+    folder = "/submission" if sandbox.isolated else program.folder
+    assert log == f"./go --fast in {folder}, of its own, of the seat, 30s\na socket\n"
     assert (ending.exit_code, ending.last_words) == (7, "a socket")
 
 
-def test_a_plain_process_runs_it_too(program: Submission, tmp_path: Path) -> None:
-    ending, log = run(SANDBOXES["process"], program, tmp_path)
-
-    assert log == f"./go --fast in {program.folder}, of its own, of the seat, 30s\na socket\n"
-    assert ending.exit_code == 7
-
-
-def test_a_program_that_is_not_there_is_the_agents_fault_and_named(real: Sandbox, tmp_path: Path) -> None:
-    ending, _ = run(real, written(tmp_path, '["no-such-program"]'), tmp_path)
+def test_a_program_that_is_not_there_is_the_agents_fault_and_named(sandbox: Sandbox, tmp_path: Path) -> None:
+    ending, _ = run(sandbox, written(tmp_path, '["no-such-program"]'), tmp_path)
 
     assert ending.platform_fault == ""
     assert ending.exit_code not in (0, None)
     assert "no-such-program" in ending.last_words
-
-
-def test_a_plain_process_names_a_program_that_is_not_there(tmp_path: Path) -> None:
-    ending, _ = run(SANDBOXES["process"], written(tmp_path, '["no-such-program"]'), tmp_path)
-
-    assert "cannot run no-such-program: No such file or directory" in str(ending)
-
-
-REPOSITORY = Path(__file__).parents[3]
-TIGHT = Limits(memory="512MiB", processes=20)  # type: ignore[arg-type]
-
-
-def test_a_jobs_limits_are_those_of_its_agents(tmp_path: Path) -> None:
-    submission = load_submission(REPOSITORY / "submissions" / "random")
-    spec = MatchSpec(track="navigation", map=MapSpec(config=MapConfig(size=40, houses=1), seed=3))
-
-    seating = Job.of_one(submission, "navigation", 0, spec, tmp_path, replay=False, limits=TIGHT).seating
-
-    assert seating.limits == TIGHT
-    assert launch_for(submission, "unix:/nowhere", "token", tmp_path / "log", seating.limits).limits == TIGHT
 
 
 @pytest.mark.parametrize(
@@ -136,10 +91,9 @@ def entries(folder: Path) -> dict[Path, tuple[int, int]]:
     return {path: (path.stat().st_mode, path.stat().st_mtime_ns) for path in folder.rglob("*")}
 
 
-def test_compiled_code_in_a_cache_never_runs(
-    sandbox: Sandbox, submit: Callable[..., Submission], tmp_path: Path
-) -> None:
-    folder = submit("walker", code=CODE).folder
+def test_compiled_code_in_a_cache_never_runs(sandbox: Sandbox, submit: Submit, tmp_path: Path) -> None:
+    submission = submit("walker", code=CODE)
+    folder = submission.folder
     (folder / "run.sh").touch(0o700)
     (folder / "helper.py").write_text("WORD = 'source'")
     clean = folder_digest(folder)
@@ -149,16 +103,8 @@ def test_compiled_code_in_a_cache_never_runs(
     assert subprocess.check_output(control, cwd=folder, text=True) == "changed\n"
     before = entries(folder)
 
-    async def to_end(address: str) -> None:
-        launch = Launch(folder, "agent:Player", address, "of the seat", tmp_path / "log", LIMITS)
-        agent = await sandbox.start(launch)
-        await agent.ended()
-        await agent.stop()
+    _, log = run_agent(sandbox, submission, tmp_path)
 
-    with listening(tmp_path / "match.sock") as address:
-        asyncio.run(to_end(address))
-
-    log = (tmp_path / "log").read_text()
     assert log == "source ./agent.py ./helper.py ./run.sh ./submission.toml True\n"
     assert folder_digest(folder) == clean
     assert entries(folder) == before

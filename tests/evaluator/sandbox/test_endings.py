@@ -1,58 +1,40 @@
 """How agents in sandboxes start and end: by themselves, by a limit, with whoever started them."""
 
-import asyncio
 import os
 import subprocess
 import sys
-import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.sandbox import starter
 from tests.evaluator.sandbox.sandbox_runs import (
     GROUPS,
     LIMITS,
+    folders_of,
     listening,
     processes_with,
+    run_agent,
     tight_group,
     wait_until,
 )
 
-from wildscav_evaluator.sandbox import Ending, Launch, Sandbox
+from wildscav_evaluator.sandbox import Ending, Sandbox
 from wildscav_evaluator.sandbox.containers import oci
 from wildscav_evaluator.sandbox.containers.container_engine import call, find_engine, has_cgroup_v1
 from wildscav_evaluator.sandbox.linux import bubblewrap, cgroup
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.submissions.submission import Submission
-from wildscav_server import leftovers
 
 pytestmark = pytest.mark.slow
-Submit = Callable[..., Submission]
 
 
-def run(
-    sandbox: Sandbox, submission: Submission, folder: Path, lasts: float = 60.0, **limits: object
-) -> tuple[Ending, str]:
-    """Run an agent to its end; return how it ended and what it printed."""
-
-    async def to_end() -> Ending:
-        agent = await sandbox.start(launch)
-        try:
-            return await agent.ended()
-        finally:
-            await agent.stop()
-
-    with listening(folder / "match.sock") as address:
-        entry_point = submission.manifest.entry_point
-        own = LIMITS.model_copy(update={"cpus": 1.0, **limits})
-        launch = Launch(
-            submission.folder, entry_point, address, "of the seat", folder / "log", own, lasts=lasts
-        )
-        ending = asyncio.run(to_end())
-    log = folder / "log"
-    return ending, log.read_text() if log.exists() else ""
+def run(sandbox: Sandbox, submission: Submission, folder: Path, lasts: float = 60.0) -> tuple[Ending, str]:
+    limits = LIMITS.model_copy(update={"cpus": 1.0})
+    return run_agent(sandbox, submission, folder, limits, lasts=lasts)
 
 
 def test_memory_is_what_an_agent_is_said_to_have_died_of(
@@ -183,34 +165,13 @@ time.sleep(60)
 """
     submission, log = submit("orphan", code=code), tmp_path / "log"
     with listening(tmp_path / "match.sock") as address:
-        command = [sys.executable, "-c", STARTER, real.name, submission.folder, address, log]
-        starter = subprocess.Popen(list(map(str, command)))
+        command = [sys.executable, starter.__file__, real.name, submission.folder, address, log]
+        started = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL)
         wait_until(lambda: log.exists() and "ready" in log.read_text())
         assert processes_with(marker)
 
-        starter.kill()
-        starter.wait()
+        started.kill()
+        started.wait()
 
         wait_until(lambda: not processes_with(marker))
-        wait_until(lambda: not folders_of(starter.pid))
-
-
-def folders_of(process: int) -> list[Path]:
-    """Return the folders of a process for temporary things, once those of the dead are removed."""
-    leftovers.sweep()
-    locks = Path(tempfile.gettempdir()).glob(f"wildscav-*/{leftovers.LOCK}")
-    return [lock.parent for lock in locks if lock.read_text().strip() == str(process)]
-
-
-STARTER = """
-import asyncio, sys
-from pathlib import Path
-from wildscav_server import leftovers
-from wildscav_evaluator.sandbox import SANDBOXES, Launch
-
-async def run():
-    launch = Launch(Path(sys.argv[2]), "agent:Player", sys.argv[3], "of the seat", Path(sys.argv[4]))
-    await (await SANDBOXES[sys.argv[1]].start(launch)).ended()
-
-asyncio.run(run())
-"""
+        wait_until(lambda: not folders_of(started.pid))

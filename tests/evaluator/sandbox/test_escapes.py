@@ -13,9 +13,8 @@ from wildscav_evaluator.sandbox import Sandbox
 from wildscav_server import leftovers
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the attacks are on Linux")
-ATTACKS = re.findall(
-    r"@attack\ndef (\w+)", (Path(__file__).parent / "attacker" / "agent.py").read_text("utf-8")
-)
+TABLE = (Path(__file__).parent / "attacker" / "agent.py").read_text("utf-8").partition("ATTACKS: ")[2]
+ATTACKS = re.findall(r'^    "(\w+)": ', TABLE, re.MULTILINE)
 # What a user other than root cannot do to others anyway.
 ROOTS = {"files_make_a_device", "files_write_kernel_settings", "kernel_mount", "kernel_become_root"}
 

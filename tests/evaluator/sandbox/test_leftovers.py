@@ -9,11 +9,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.sandbox_runs import GROUPS, listening, processes_with, wait_until
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.sandbox import starter
+from tests.evaluator.sandbox.sandbox_runs import GROUPS, folders_of, listening, processes_with, wait_until
 
 from wildscav_evaluator.sandbox import Sandbox
 from wildscav_evaluator.sandbox.containers.container_engine import OWNER, call, find_engine
@@ -21,27 +23,7 @@ from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
 
 pytestmark = pytest.mark.slow
-Submit = Callable[..., Submission]
 
-# Starts agents one after the other, in the middle of which it is killed.
-STARTER = """
-import asyncio, sys
-from pathlib import Path
-from wildscav_evaluator.sandbox import SANDBOXES, Launch
-from wildscav_evaluator.sandbox.containers.container_engine import find_engine
-from wildscav_server import leftovers
-
-async def run():
-    sandbox = SANDBOXES[sys.argv[1]]
-    launch = Launch(Path(sys.argv[2]), "agent:Player", sys.argv[3], "of the seat", Path(sys.argv[4]))
-    while True:
-        agent = await sandbox.start(launch)
-        await asyncio.sleep(0.2)
-        await agent.stop()
-
-print(leftovers.owner(), flush=True)
-asyncio.run(run())
-"""
 KILLS = 6
 
 
@@ -53,9 +35,9 @@ def test_nothing_is_left_of_who_was_killed_at_any_moment(
     dice = random.Random(7)  # noqa: S311
     with listening(tmp_path / "match.sock") as address:
         for _ in range(int(os.environ.get("WILDSCAV_TEST_KILLS", KILLS))):
-            starter, owner = start(real, submission, address, tmp_path / "log")
+            started, owner = start(real, submission, address, tmp_path / "log", "again")
             time.sleep(dice.uniform(0.0, 1.5))
-            kill_tree(starter)
+            kill_tree(started)
 
             # A child that was just being started may outlive the others for a moment, and holds the lock.
             wait_until(functools.partial(is_swept, owner, real))
@@ -77,27 +59,6 @@ time.sleep(300)
 """
 
 
-# Starts one agent, whose container has a wall clock of its own; that of the starter leaves it alone.
-UNWATCHED = """
-import asyncio, sys
-from pathlib import Path
-from wildscav_evaluator.sandbox import SANDBOXES, Launch
-from wildscav_evaluator.sandbox.containers import wall_clock
-from wildscav_server import leftovers
-
-async def run():
-    wall_clock.LATER = {seconds} - 600.0
-    where = (Path(sys.argv[2]), "agent:Player", sys.argv[3], "of the seat", Path(sys.argv[4]))
-    launch = Launch(*where, lasts=600.0)
-    agent = await SANDBOXES[sys.argv[1]].start(launch)
-    await agent.ended()
-    await agent.stop()
-
-print(leftovers.owner(), flush=True)
-asyncio.run(run())
-"""
-
-
 def test_a_container_ends_by_its_wall_clock_even_if_nobody_watches_it(
     real: Sandbox, submit: Submit, tmp_path: Path
 ) -> None:
@@ -107,10 +68,10 @@ def test_a_container_ends_by_its_wall_clock_even_if_nobody_watches_it(
     submission, log = submit("stubborn", code=STUBBORN.format(marker=marker)), tmp_path / "log"
     with listening(tmp_path / "match.sock") as address:
         for seconds in (4.0, 16.0, 64.0):
-            starter, _ = start(real, submission, address, log, UNWATCHED.format(seconds=seconds))
-            wait_until(lambda: bool(processes_with(marker)) or starter.poll() is not None)  # noqa: B023
+            started, _ = start(real, submission, address, log, str(seconds))
+            wait_until(lambda: bool(processes_with(marker)) or started.poll() is not None)  # noqa: B023
             running = bool(processes_with(marker))
-            kill_tree(starter)
+            kill_tree(started)
             if running:  # on a busy machine it may have been ended before it came to its first line
                 break
         assert running
@@ -121,22 +82,24 @@ def test_a_container_ends_by_its_wall_clock_even_if_nobody_watches_it(
 
 
 def start(
-    sandbox: Sandbox, submission: Submission, address: str, log: Path, code: str = STARTER
+    sandbox: Sandbox, submission: Submission, address: str, log: Path, how: str
 ) -> "tuple[subprocess.Popen[str], str]":
     """Start a process that starts agents; return it, and its name as an owner."""
-    command = [sys.executable, "-c", code, sandbox.name, str(submission.folder), address, str(log)]
-    starter = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    assert starter.stdout is not None
-    return starter, starter.stdout.readline().strip()
+    arguments = [sandbox.name, str(submission.folder), address, str(log), how]
+    started = subprocess.Popen(
+        [sys.executable, starter.__file__, *arguments], stdout=subprocess.PIPE, text=True
+    )
+    assert started.stdout is not None
+    return started, started.stdout.readline().strip()
 
 
-def kill_tree(starter: "subprocess.Popen[str]") -> None:
+def kill_tree(started: "subprocess.Popen[str]") -> None:
     """Kill a process and all that it has started, its reaper of containers included."""
-    processes = [starter.pid, *descendants(starter.pid), *reapers(starter.pid)]
+    processes = [started.pid, *descendants(started.pid), *reapers(started.pid)]
     for process in processes:
         with contextlib.suppress(ProcessLookupError):
             os.kill(process, signal.SIGKILL)
-    starter.communicate()
+    started.communicate()
 
 
 def descendants(process: int) -> Iterator[int]:
@@ -149,12 +112,7 @@ def descendants(process: int) -> Iterator[int]:
 
 def reapers(process: int) -> list[int]:
     """Return the processes that wait for the end of one, to remove what it leaves."""
-    lock = [
-        path.parent
-        for path in Path(tempfile.gettempdir()).glob(f"wildscav-*/{leftovers.LOCK}")
-        if path.read_text().strip() == str(process)
-    ]
-    return [reaper for folder in lock for reaper in processes_with(f"[ -e {folder}")]
+    return [reaper for folder in folders_of(process) for reaper in processes_with(f"[ -e {folder}")]
 
 
 def left_of(owner: str, sandbox: Sandbox) -> list[str]:

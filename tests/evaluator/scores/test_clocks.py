@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.results_by_hand import plan_of
 from tests.evaluator.sample_agents import Submit
+from tests.evaluator.small_matches import tiny_suite
 from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
@@ -22,13 +23,6 @@ from wildscav_evaluator.scores.compare import changes_since_last
 from wildscav_evaluator.scores.leaderboard import standings
 from wildscav_evaluator.suites.suite_file import read_suite
 
-SUITE = """
-name = "tiny"
-map = { size = 40, houses = 0 }
-[tracks.navigation]
-maps = 1
-match = { time_limit = 3.0 }
-"""
 # Thinks for 20 ms of a processor in each step.
 THINKER = """
     def act(self, observation):
@@ -48,9 +42,8 @@ THINKER = """
 def test_verify_and_rescore_agree(
     clock: str, tmp_path: Path, submit: Submit, warm_workers: WarmWorkers, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "tiny.toml").write_text(SUITE)
     out, chosen = tmp_path / "out", clock_choice(clock)
-    suite = replace(read_suite(tmp_path / "tiny.toml"), clock=chosen)
+    suite = replace(read_suite(tiny_suite(tmp_path, maps=1)), clock=chosen)
     with playing_with(warm_workers):
         run_session(plan_of(submit("thinker", THINKER), out=out, suite=suite, jobs=1))
     run_rescore(out, LocalExecutor(1))
@@ -81,12 +74,9 @@ def test_verify_and_rescore_agree(
 def test_rows_of_different_clocks_are_neither_compared_nor_ranked_together(
     tmp_path: Path, submit: Submit
 ) -> None:
-    (tmp_path / "tiny.toml").write_text(SUITE)
-    submission = submit("thinker", THINKER)
+    suite, submission = read_suite(tiny_suite(tmp_path, maps=1)), submit("thinker", THINKER)
     plans = [
-        plan_of(
-            submission, out=tmp_path / str(pace), suite=replace(read_suite(tmp_path / "tiny.toml"), clock=one)
-        )
+        plan_of(submission, out=tmp_path / str(pace), suite=replace(suite, clock=one))
         for pace in (1, 2)
         for one in [ClockChoice.model_validate({"clock": "running", "thinking": {"pace": pace}})]
     ]

@@ -1,74 +1,39 @@
 """Which of two submissions is better, by the matches that both played."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.commands import Run, run_command
+from tests.evaluator.results_by_hand import evaluation, scored_results
+from tests.evaluator.sample_agents import Submit
 
 from wildscav_evaluator.cli.sessions.compare import comparison_table, verdict_line, with_distinct_names
-from wildscav_evaluator.output.results import (
-    CURRENT_VERSIONS,
-    Evaluation,
-    MatchRow,
-    MetricInfo,
-    Results,
-    Timings,
-)
 from wildscav_evaluator.scores.compare import Comparison, compare, compare_evaluations, judge
-from wildscav_evaluator.scores.score import summary
-from wildscav_evaluator.submissions.submission import Submission
 
-SUPPLIES = MetricInfo(name="supplies", title="supplies", unit="", lower_is_better=False)
-TIME = MetricInfo(name="time", title="used time", unit="s", lower_is_better=True)
 HARD_AND_EASY = [10.0, 200.0, 30.0, 150.0, 60.0, 90.0, 20.0, 180.0]  # supplies of matches unlike each other
 SUBMISSIONS = Path(__file__).parents[3] / "submissions"
 
 
-def evaluation(name: str, values: Sequence[float | None], metric: MetricInfo = SUPPLIES) -> Evaluation:
-    rows = tuple(
-        MatchRow(index=index, status="failed", fault="platform")
-        if value is None
-        else MatchRow(index=index, status="finished", metrics={metric.name: value})
-        for index, value in enumerate(values)
-    )
-    return Evaluation(
-        submission=name,
-        version="1",
-        digest="0",
-        track="gathering",
-        metrics=(metric,),
-        matches=rows,
-        summary=summary([metric], rows),
-    )
-
-
 def compared(
-    first: Sequence[float | None], second: Sequence[float | None], metric: MetricInfo = SUPPLIES
+    first: Sequence[float | None], second: Sequence[float | None], track: str = "gathering"
 ) -> Comparison:
-    results = Results(
-        versions=CURRENT_VERSIONS,
-        suite="quick",
-        seed=0,
-        sandbox="process",
-        evaluations=(evaluation("ada", first, metric), evaluation("bob", second, metric)),
-        timings=Timings(started="", wall=0.0, jobs=1, matches=()),
-    )
+    results = scored_results({("ada", track): first, ("bob", track): second})
     (comparison,) = compare(results, "ada", "bob").comparisons
     return comparison
 
 
 def test_a_small_lead_in_every_match_shows_though_the_matches_are_unlike_each_other() -> None:
     ahead = [value + 5.0 + (index % 3) for index, value in enumerate(HARD_AND_EASY)]
-    alone = [evaluation("ada", ahead), evaluation("bob", HARD_AND_EASY)]
+    alone = [evaluation("ada", "gathering", values) for values in (ahead, HARD_AND_EASY)]
 
     comparison = compared(ahead, HARD_AND_EASY)
 
     assert comparison.verdict == "first"
-    (difference,) = comparison.differences
+    difference = comparison.differences[0]
     assert 5.0 <= difference.low <= difference.difference <= difference.high <= 7.0
     # Side by side the two intervals say nothing.
     first, second = (one.summary["supplies"] for one in alone)
@@ -80,8 +45,8 @@ def test_the_same_values_the_other_way_round_give_the_other_verdict() -> None:
 
     assert compared(ahead, HARD_AND_EASY).verdict == "first"
     assert compared(HARD_AND_EASY, ahead).verdict == "second"
-    assert compared(ahead, HARD_AND_EASY, TIME).verdict == "second"
-    assert compared(HARD_AND_EASY, ahead, TIME).verdict == "first"
+    assert compared(ahead, HARD_AND_EASY, "navigation").verdict == "second"
+    assert compared(HARD_AND_EASY, ahead, "navigation").verdict == "first"
 
 
 def test_submissions_that_play_the_same_are_tied() -> None:
@@ -129,7 +94,7 @@ def test_a_match_that_the_platform_lost_is_left_out_for_both() -> None:
 
 
 def test_it_is_said_that_two_play_by_different_interfaces() -> None:
-    one, other = evaluation("ada", HARD_AND_EASY), evaluation("bob", HARD_AND_EASY)
+    one, other = evaluation("ada"), evaluation("bob")
     reads = other.model_copy(update={"interface": "words"})
 
     assert "interfaces" not in compare_evaluations(one, other).model_dump()
@@ -138,7 +103,7 @@ def test_it_is_said_that_two_play_by_different_interfaces() -> None:
     )
 
 
-def test_two_versions_of_one_submission_are_with_distinct_names(submit: Callable[..., Submission]) -> None:
+def test_two_versions_of_one_submission_are_with_distinct_names(submit: Submit) -> None:
     walker, other = submit("walker", "pass"), submit("other", "pass")
 
     assert with_distinct_names([walker, other]) == (walker, other)
@@ -151,7 +116,7 @@ def command(tmp_path: Path) -> Run:
     return partial(run_command, "compare", cwd=tmp_path, columns=200)
 
 
-def test_tracks_that_not_both_play_are_refused(command: Run, submit: Callable[..., Submission]) -> None:
+def test_tracks_that_not_both_play_are_refused(command: Run, submit: Submit) -> None:
     walker, gatherer = submit("walker", "pass"), submit("gatherer", "pass", tracks='["gathering"]')
 
     refused = command(walker.folder, gatherer.folder)

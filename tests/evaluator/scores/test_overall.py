@@ -10,7 +10,7 @@ from tests.evaluator.results_by_hand import MODEL, evaluation, saved, scored_res
 
 from wildscav_engine.specs.thinking import ClockChoice
 from wildscav_evaluator.cli.sessions.leaderboard import show_standings
-from wildscav_evaluator.output.results import Overall, Results
+from wildscav_evaluator.output.results import Evaluation, Overall, Results
 from wildscav_evaluator.scores.audit import AuditedFolder, discrepancies
 from wildscav_evaluator.scores.leaderboard import document_of_overall, overall_standings
 from wildscav_evaluator.scores.overall import across_tracks, overall_of
@@ -77,14 +77,18 @@ def test_a_single_match_on_a_track_gives_no_width() -> None:
     assert (iqm.low, iqm.high) == (iqm.value, iqm.value)
 
 
-@pytest.mark.parametrize("tracks", [["navigation"], ["gathering"], []])
-def test_whoever_lacks_a_track_has_no_overall_rating(tracks: list[str]) -> None:
-    played = [evaluation("a", track) for track in tracks]
+@pytest.mark.parametrize(
+    "played",
+    [
+        [evaluation("a", "navigation")],
+        [evaluation("a", "gathering")],
+        [],
+        [evaluation("a", "navigation"), evaluation("a", "gathering", ())],
+    ],
+    ids=["navigation", "gathering", "nothing", "no result"],
+)
+def test_whoever_lacks_a_track_has_no_overall_rating(played: list[Evaluation]) -> None:
     assert overall_of(SUITE, played) == ()
-
-
-def test_whoever_has_no_result_on_a_track_has_no_overall_rating() -> None:
-    assert overall_of(SUITE, [evaluation("a", "navigation"), evaluation("a", "gathering", ())]) == ()
 
 
 def test_a_suite_without_a_scale_rates_nobody_and_its_results_stay_as_they_were() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.results_by_hand import scored_results, timing_of_a_seat
 from tests.evaluator.sample_agents import WALKER, Command, Submit
+from tests.evaluator.small_matches import tiny_suite
 from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
@@ -14,14 +15,6 @@ from wildscav_evaluator.cli.sessions.price import clocks_of, price_table, thinki
 from wildscav_evaluator.output.results import MatchTiming, Results
 from wildscav_evaluator.scores.price import Price, draw_price, price_of
 from wildscav_evaluator.submissions.submission import Submission
-
-SUITE = """
-name = "tiny"
-map = { size = 40, houses = 0 }
-[tracks.navigation]
-maps = 1
-match = { time_limit = 2.0 }
-"""
 
 
 def played(clock: ClockChoice, scores: tuple[float, ...], thought: float) -> Results:
@@ -110,11 +103,11 @@ def test_an_agent_that_is_no_python_or_plays_by_words_is_not_slowed_down(submit:
 def test_the_command_plays_paused_and_at_each_pace(
     wildscav: Command, submit: Submit, warm_workers: WarmWorkers, tmp_path: Path
 ) -> None:
-    (tmp_path / "tiny.toml").write_text(SUITE)
+    suite = tiny_suite(tmp_path, maps=1, seconds=2)
     agent, out = submit("walker", WALKER).folder, tmp_path / "out"
     with playing_with(warm_workers):
         done = wildscav(
-            *("price", agent, "--suite", tmp_path / "tiny.toml", "--sandbox", "process", "--rounds", "1"),
+            *("price", agent, "--suite", suite, "--sandbox", "process", "--rounds", "1"),
             *("--paces", "4", "--think", "0.1", "--workers", "1", "--out", out, "--json"),
         )
     assert done.returncode == 0, done.stderr

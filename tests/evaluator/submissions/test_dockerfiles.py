@@ -1,24 +1,20 @@
 """Our own Dockerfiles, built and run, with the container engine of this machine."""
 
-import asyncio
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.available import missing
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.small_matches import NAVIGATION, need, play
 from tests.evaluator.submissions.python_image import NAME, python_image
 
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
-from wildscav_evaluator.matches.play import MatchAssignment, play_match
-from wildscav_evaluator.sandbox import SANDBOXES
+from wildscav_evaluator.matches.play import MatchAssignment
 from wildscav_evaluator.sandbox.containers.container_engine import ContainerEngine, call, find_engine
 from wildscav_evaluator.submissions import images
 from wildscav_evaluator.submissions.images import base_name, build_image, with_images
-from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.submissions.submission import load_submission
 
 pytestmark = [pytest.mark.slow, pytest.mark.long, pytest.mark.usefixtures("python")]
-Submit = Callable[..., Submission]
 SUBMISSION = "localhost/wildscav/builds-and-walks"
 BODY = """
     def act(self, observation):
@@ -30,8 +26,7 @@ BODY = """
 @pytest.fixture
 def python(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """An image to build on; it and the base go afterwards."""
-    if missing("oci"):
-        pytest.skip(missing("oci"))
+    need("oci")
     engine = find_engine()
     monkeypatch.setenv(images.PYTHON, python_image(engine))
     yield
@@ -49,12 +44,9 @@ def test_a_match_is_played_in_an_image_of_our_own_dockerfiles(submit: Submit, tm
     (folder / "requirements.txt").write_text("colorama\n")
     walker = load_submission(folder)
     build_image(walker, options=["--network=host", "--layers=false"])
-    spec = MatchSpec(
-        track="navigation", map=MapSpec(config=MapConfig(size=40, houses=1), seed=3), time_limit=2.0
-    )
 
-    seating = MatchAssignment(spec, with_images([walker], "oci"), (tmp_path / "log",))
-    played = asyncio.run(play_match(seating, sandbox=SANDBOXES["oci"]))
+    seating = MatchAssignment(NAVIGATION, with_images([walker], "oci"), (tmp_path / "log",))
+    played = play(seating, "oci")
 
     assert played.seats[0].status == "finished"
     assert played.seats[0].steps_played == 20

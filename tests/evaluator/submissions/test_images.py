@@ -1,17 +1,18 @@
 """Submissions as images, by each container engine; nothing is fetched."""
 
-import asyncio
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.available import engine_named, missing
-from tests.evaluator.sandbox.sandbox_runs import listening
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.sandbox.available import engine_named
+from tests.evaluator.sandbox.sandbox_runs import run_agent
+from tests.evaluator.small_matches import need
 from tests.evaluator.submissions.python_image import python_image
 
 from wildscav_evaluator.cli.options.selection import load_submissions
-from wildscav_evaluator.sandbox import SANDBOXES, Ending, Launch, SandboxError
+from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Ending, SandboxError
 from wildscav_evaluator.sandbox.containers.container_engine import ENGINES, bare_image, call, find_engine
 from wildscav_evaluator.submissions.images import (
     IMAGE,
@@ -25,16 +26,12 @@ from wildscav_evaluator.submissions.submission import Submission, load_submissio
 from wildscav_server.hosting.manifest import SubmissionError
 
 pytestmark = pytest.mark.slow
-Submit = Callable[..., Submission]
-CODE_ALONE = "ARG BASE\nFROM ${BASE}\nCOPY . /submission\n"
-COMMAND = 'CMD ["agent"]\n'
 
 
 @pytest.fixture(autouse=True, params=ENGINES)
 def _engine(request: pytest.FixtureRequest) -> Iterator[None]:
     with engine_named(request.param, request):
-        if missing("oci"):
-            pytest.skip(missing("oci"))
+        need("oci")
         before = images()
         yield
         for image in images() - before:
@@ -46,12 +43,16 @@ def images() -> set[str]:
     return set(listed.stdout.decode().split())
 
 
-def build(submission: Submission, folder: Path) -> str:
-    """Build an image with the code alone, on an empty one."""
+def build(submission: Submission, folder: Path, instructions: str = 'CMD ["agent"]', base: str = "") -> str:
+    """Build an image with the code and some instructions alone, on an empty one or on another."""
     dockerfile = folder / "own.Dockerfile"
-    dockerfile.write_text(CODE_ALONE + COMMAND)
-    base = bare_image(find_engine(), ("/tmp",), ())  # noqa: S108
+    dockerfile.write_text(f"ARG BASE\nFROM ${{BASE}}\nCOPY . /submission\n{instructions}\n")
+    base = base or bare_image(find_engine(), ("/tmp",), ())  # noqa: S108
     return build_image(submission, base=base, dockerfile=dockerfile)
+
+
+def run(submission: Submission, image: str, folder: Path) -> Ending:
+    return run_agent(SANDBOXES["oci"], submission, folder, DEFAULT_LIMITS, image=image)[0]
 
 
 def test_a_built_submission_runs_as_its_image_in_containers_alone(submit: Submit, tmp_path: Path) -> None:
@@ -84,15 +85,12 @@ def test_a_prebuilt_image_tells_its_own_manifest(submit: Submit, tmp_path: Path)
     (loaded,) = load_submissions([Path(IMAGE + name)])
 
     assert loaded.name == "brought"
-    assert loaded.image == image_identity(name)
+    # What an engine calls an image that may be given another name.
+    told = call(find_engine(), "image", "inspect", "--format", "{{.Id}}", name)
+    assert loaded.image == told.stdout.decode().strip()
     assert len(loaded.digest) == 32
     with pytest.raises(SubmissionError, match="which --sandbox bubblewrap does not run"):
         with_images([loaded], "bubblewrap")
-
-
-def image_identity(name: str) -> str:
-    """Return what an engine calls an image that may be given another name."""
-    return call(find_engine(), "image", "inspect", "--format", "{{.Id}}", name).stdout.decode().strip()
 
 
 def test_an_image_that_is_not_there_or_has_no_manifest_is_refused() -> None:
@@ -115,10 +113,7 @@ def test_an_image_with_volumes_is_refused_and_its_manifest_read_without_leaving_
 ) -> None:
     """An engine keeps what is written to a volume on the machine's disk, without any limit."""
     submission = submit("hoarder")
-    dockerfile = tmp_path / "volumes.Dockerfile"
-    dockerfile.write_text(f"{CODE_ALONE}VOLUME /data\n")
-    base = bare_image(find_engine(), ("/tmp",), ())  # noqa: S108
-    name = build_image(submission, base=base, dockerfile=dockerfile)
+    name = build(submission, tmp_path, "VOLUME /data")
     before = volumes()
 
     with pytest.raises(SubmissionError, match=r"has volumes \(/data\).*build it without VOLUME"):
@@ -134,11 +129,8 @@ def test_whoever_starts_an_image_with_volumes_gets_no_writable_disk(submit: Subm
     if find_engine().name == "docker":
         pytest.skip("Docker has no option for it: such images are refused before")
     submission = submit("hoarder")
-    dockerfile = tmp_path / "volumes.Dockerfile"
-    dockerfile.write_text(
-        f'{CODE_ALONE}VOLUME /data\nENTRYPOINT ["python3", "-c", "open(\'/data/x\', \'w\')"]\n'
-    )
-    name = build_image(submission, base=python_image(find_engine()), dockerfile=dockerfile)
+    instructions = 'VOLUME /data\nENTRYPOINT ["python3", "-c", "open(\'/data/x\', \'w\')"]'
+    name = build(submission, tmp_path, instructions, python_image(find_engine()))
     before = volumes()
 
     ending = run(submission, name, tmp_path)
@@ -154,12 +146,8 @@ def test_variables_of_an_image_do_not_reach_what_keeps_its_wall_clock(submit: Su
         pytest.skip("Podman's monitor keeps the wall clock, outside of the container")
     submission = submit("usurper")
     code = "import os; print(os.environ['LD_PRELOAD'], b'usurp' in open('/proc/1/environ', 'rb').read())"
-    dockerfile = tmp_path / "usurper.Dockerfile"
-    dockerfile.write_text(
-        f"{CODE_ALONE}ENV LD_PRELOAD=/usurp.so LC_ALL=usurp\n"
-        f"ENTRYPOINT {json.dumps(['python3', '-c', code])}\n"
-    )
-    name = build_image(submission, base=python_image(find_engine()), dockerfile=dockerfile)
+    variables, start = "ENV LD_PRELOAD=/usurp.so LC_ALL=usurp", json.dumps(["python3", "-c", code])
+    name = build(submission, tmp_path, f"{variables}\nENTRYPOINT {start}", python_image(find_engine()))
 
     ending = run(submission, name, tmp_path)
 
@@ -167,27 +155,12 @@ def test_variables_of_an_image_do_not_reach_what_keeps_its_wall_clock(submit: Su
     assert ending.exit_code == 0
 
 
-def run(submission: Submission, image: str, folder: Path) -> Ending:
-    """Run an image to its end."""
-
-    async def to_end(address: str) -> Ending:
-        launch = Launch(submission.folder, "agent:Player", address, "t", folder / "log", image=image)
-        agent = await SANDBOXES["oci"].start(launch)
-        try:
-            return await agent.ended()
-        finally:
-            await agent.stop()
-
-    with listening(folder / "match.sock") as address:
-        return asyncio.run(to_end(address))
-
-
 @pytest.mark.parametrize(
     ("instructions", "complaint"),
     [
-        ("ENTRYPOINT []\nCMD []\n", "has no command: it needs an ENTRYPOINT or a CMD"),
+        ("ENTRYPOINT []\nCMD []", "has no command: it needs an ENTRYPOINT or a CMD"),
         (
-            f'CMD ["agent"]\nENV ONE={"x" * 40_000}\nENV TWO={"x" * 40_000}\n',
+            f'CMD ["agent"]\nENV ONE={"x" * 40_000}\nENV TWO={"x" * 40_000}',
             r"has 80,\d+ bytes of environment variables \(ENV\), must have at most 65,536",
         ),
     ],
@@ -195,10 +168,7 @@ def run(submission: Submission, image: str, folder: Path) -> Ending:
 def test_an_image_that_could_not_be_run_is_refused_when_it_is_read(
     submit: Submit, tmp_path: Path, instructions: str, complaint: str
 ) -> None:
-    dockerfile = tmp_path / "own.Dockerfile"
-    dockerfile.write_text(CODE_ALONE + instructions)
-    base = bare_image(find_engine(), ("/tmp",), ())  # noqa: S108
-    name = build_image(submit("useless"), base=base, dockerfile=dockerfile)
+    name = build(submit("useless"), tmp_path, instructions)
 
     with pytest.raises(SubmissionError, match=complaint):
         load_image(name)

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.evaluator.sample_agents import Command, Submit
-from tests.evaluator.sandbox.available import missing
+from tests.evaluator.small_matches import need
 
 from wildscav_evaluator.output.results import read_results
 from wildscav_training.datasets.from_records import RecordedEpisodes
@@ -42,8 +42,7 @@ class Player(Agent):
 def test_it_reaches_its_targets_and_its_record_gives_its_screens_and_keys(
     wildscav: Command, submit: Submit, tmp_path: Path
 ) -> None:
-    if missing("bubblewrap"):
-        pytest.skip(missing("bubblewrap"))
+    need("bubblewrap")
     sensors = {"screen": {"quality": "fast"}}
     folder = submit("reader", code=READER, more='\n[sensors.screen]\nquality = "fast"\n').folder
     (tmp_path / "open.toml").write_text(SUITE)

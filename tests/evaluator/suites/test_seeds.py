@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 from tests.commands import Done, Run, run_command
+from tests.evaluator.conftest import submission_in
 from tests.evaluator.results_by_hand import plan_of
+from tests.evaluator.sample_agents import WALKER
+from tests.evaluator.small_matches import tiny_suite
 from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav.errors import UserError
@@ -17,19 +20,8 @@ from wildscav_evaluator.cli.sessions.evaluate import run_session
 from wildscav_evaluator.output.layout import OPENED_FILE
 from wildscav_evaluator.output.results import read_results
 from wildscav_evaluator.scores.expected_matches import check_opened, expected_matches
-from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.seeds import SuiteSeed, read_secret
 from wildscav_evaluator.suites.suite_file import read_suite
-
-HOMING = Path(__file__).parents[3] / "submissions" / "homing"
-# Short matches on small maps.
-SUITE = """
-name = "tiny"
-map = { size = 40, houses = 0 }
-[tracks.navigation]
-maps = 5
-match = { time_limit = 3.0 }
-"""
 
 
 @pytest.fixture
@@ -39,15 +31,16 @@ def secret(tmp_path: Path) -> Run:
 
 
 @pytest.fixture(scope="module")
-def evaluated(tmp_path_factory: pytest.TempPathFactory, warm_workers: WarmWorkers) -> tuple[Path, Path]:
+def hidden(tmp_path_factory: pytest.TempPathFactory, warm_workers: WarmWorkers) -> tuple[Path, Path]:
     """A secret's file, and the output folder of an evaluation with that hidden seed."""
     folder = tmp_path_factory.mktemp("hidden")
     file, out = folder / "season.secret", folder / "out"
     file.write_bytes(b"nobody knows this, and nobody is going to guess it\n")
-    (folder / "tiny.toml").write_text(SUITE)
-    suite = read_suite(folder / "tiny.toml")
+    suite = read_suite(tiny_suite(folder))
     with playing_with(warm_workers):
-        run_session(plan_of(load_submission(HOMING), out=out, suite=suite, seed=read_secret(file)))
+        run_session(
+            plan_of(submission_in(folder, "walker", WALKER), out=out, suite=suite, seed=read_secret(file))
+        )
     return file, out
 
 
@@ -101,8 +94,8 @@ def test_what_can_be_no_secret_is_refused(tmp_path: Path, content: bytes | None,
         read_secret(tmp_path / "secret")
 
 
-def test_results_tell_the_commitment_and_not_the_seed(evaluated: tuple[Path, Path]) -> None:
-    file, out = evaluated
+def test_results_tell_the_commitment_and_not_the_seed(hidden: tuple[Path, Path]) -> None:
+    file, out = hidden
     told, seed = read_results(out / "results.json"), read_secret(file)
 
     assert (told.seed, told.commitment) == (None, seed.commitment)
@@ -112,10 +105,8 @@ def test_results_tell_the_commitment_and_not_the_seed(evaluated: tuple[Path, Pat
     assert expected_matches(out, told) is None
 
 
-def test_an_opened_secret_shows_that_its_matches_were_played(
-    evaluated: tuple[Path, Path], secret: Run
-) -> None:
-    file, out = evaluated
+def test_an_opened_secret_shows_that_its_matches_were_played(hidden: tuple[Path, Path], secret: Run) -> None:
+    file, out = hidden
     commitment = read_secret(file).commitment
     assert "is not opened: use" in verified(out, commitment).stderr
 
@@ -133,9 +124,9 @@ def test_an_opened_secret_shows_that_its_matches_were_played(
 
 
 def test_another_secret_than_that_committed_to_is_found_out(
-    evaluated: tuple[Path, Path], secret: Run, tmp_path: Path
+    hidden: tuple[Path, Path], secret: Run, tmp_path: Path
 ) -> None:
-    file, out = evaluated
+    file, out = hidden
     other = tmp_path / "other"
     other.write_bytes(b"the one that would have suited my friend's agent better")
     mine = str(read_secret(file).commitment)
@@ -150,10 +141,10 @@ def test_another_secret_than_that_committed_to_is_found_out(
 
 
 def test_results_that_name_the_commitment_and_other_matches_are_found_out(
-    evaluated: tuple[Path, Path], tmp_path: Path
+    hidden: tuple[Path, Path], tmp_path: Path
 ) -> None:
     """An organizer plays matches of an own choice and puts the commitment into the results."""
-    _, out = evaluated
+    _, out = hidden
     other = tmp_path / "other"
     other.write_bytes(b"the one that was committed to, but whose matches were not to somebody's liking")
     forged = tmp_path / "out"
@@ -165,14 +156,14 @@ def test_results_that_name_the_commitment_and_other_matches_are_found_out(
     (forged / "results.json").write_text(json.dumps(told))
     (forged / OPENED_FILE).write_bytes(other.read_bytes())
 
-    with pytest.raises(UserError, match=r"navigation-000-homing\.wsr is not of a match that the secret"):
+    with pytest.raises(UserError, match=r"navigation-000-walker\.wsr is not of a match that the secret"):
         check_opened(forged, told["commitment"])
 
 
 def test_an_evaluation_on_a_public_seed_has_nothing_to_open(
-    secret: Run, evaluated: tuple[Path, Path], tmp_path: Path
+    secret: Run, hidden: tuple[Path, Path], tmp_path: Path
 ) -> None:
-    file, out = evaluated
+    file, out = hidden
     told = json.loads((out / "results.json").read_text())
     (tmp_path / "results.json").write_text(json.dumps({**told, "seed": 0, "commitment": None}))
 

@@ -37,11 +37,6 @@ def test_a_game_is_played_again_on_the_same_map_and_seed_with_other_seats() -> N
     assert len(seeds) == len(matches) // 2, "every game has a seed of its own"
 
 
-def test_everyone_plays_equally_often() -> None:
-    played = Counter(name for match in drawn(rounds=3) for name in match.entrants.values())
-    assert played == dict.fromkeys(SIX, 6)
-
-
 def test_a_robot_that_is_an_entrant_plays_in_the_engine_under_a_name_of_its_own() -> None:
     for match in drawn(robots=("fighter",)):
         for seat, name in match.entrants.items():
@@ -90,27 +85,13 @@ def test_another_seed_gives_other_games_and_other_opponents() -> None:
     assert drawn(seed=1) == one
 
 
-def test_fewer_entrants_than_places_are_refused() -> None:
-    with pytest.raises(UserError, match=r"such a tournament is not possible: .*entrants"):
-        drawn(entrants=["ada", "bob"])
-
-
-def test_a_tournament_whose_results_would_be_too_large_to_read_is_refused() -> None:
-    many = [f"agent-{number:03d}" for number in range(1000)]
-    with pytest.raises(
-        UserError, match=r"a tournament has at most 20,000 matches and 50,000 seats, and so here at most 8"
-    ):
-        drawn(entrants=many, rounds=30)
-
-
 def test_too_many_entries_of_one_submission_are_refused_with_the_option_that_lets_them_meet() -> None:
     entries = ["ada@1", "ada@2", "bob"]
     with pytest.raises(UserError, match=r"2 of the 3 entrants may not meet .*; --meet-own lets entries"):
         drawn(entrants=entries, seats=2)
     assert drawn(entrants=entries, seats=2, meet_own=True)
-    with pytest.raises(UserError) as refused:
+    with pytest.raises(UserError, match=r"such a tournament is not possible: [^;]*entrants[^;]*$"):
         drawn(entrants=["ada", "bob"])
-    assert "--meet-own" not in str(refused.value)
 
 
 def test_a_suite_whose_matches_fix_the_seats_is_refused() -> None:

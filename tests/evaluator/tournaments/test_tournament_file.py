@@ -11,7 +11,7 @@ from tests.evaluator.tournaments.results_by_hand import results_of, seat
 
 from wildscav.errors import UserError
 from wildscav_evaluator.output.layout import TOURNAMENT_FILE
-from wildscav_evaluator.output.results import Results, TournamentSettings
+from wildscav_evaluator.output.results import Results, SeatRow, TournamentSettings
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_evaluator.scores.expected_matches import match_counts
 from wildscav_evaluator.scores.leaderboard import Found, latest_tournaments
@@ -104,20 +104,13 @@ def names(*submissions: Submission, meet_own: bool = False) -> list[str]:
     return [one.name for one in with_unique_names(submissions, meet_own=meet_own)]
 
 
-def test_a_submission_that_is_entered_once_keeps_its_name(walker: Submission) -> None:
-    assert names(walker) == ["walker"]
-
-
-def test_two_versions_of_a_submission_are_told_apart_by_their_versions(walker: Submission) -> None:
+def test_entries_of_one_submission_are_told_apart_by_their_versions_or_else_their_files(
+    walker: Submission,
+) -> None:
+    assert names(walker) == ["walker"], "entered once, it keeps its name"
     assert names(walker, version_of(walker, "2.0", "a")) == ["walker@1.0.0", "walker@2.0"]
-
-
-def test_other_files_with_the_same_version_are_told_apart_by_their_digests(walker: Submission) -> None:
     one, other = version_of(walker, "1", "a"), version_of(walker, "1", "b")
     assert names(one, other) == ["walker@1#aaaaaaaa", "walker@1#bbbbbbbb"]
-
-
-def test_the_same_files_are_entered_twice_only_if_they_may_meet(walker: Submission) -> None:
     with pytest.raises(UserError, match="'walker' is entered twice with the same files; --meet-own"):
         names(walker, walker)
     assert names(walker, walker, meet_own=True) == ["walker@1.0.0#1", "walker@1.0.0#2"]
@@ -139,43 +132,50 @@ def test_an_entry_runs_in_the_image_that_was_built_of_its_submission(walker: Sub
     assert built_name(first) == built_name(walker)
 
 
-def test_the_team_with_the_better_score_has_the_better_place_and_equal_scores_tie() -> None:
-    seats = [seat(0, "ada", supplies=3.0), seat(1, "bob", supplies=7.0), seat(2, "cy", supplies=3.0)]
-    (match,) = rated_matches(results_of("battle", {0: seats}), repeats=2)
-    assert match == RatedMatch(0, (("ada",), ("bob",), ("cy",)), (2, 1, 2))
+ADA_AND_BOB = (("ada",), ("bob",))
 
 
-def test_a_royale_is_won_by_the_last_one_standing_and_not_by_the_richest() -> None:
-    seats = [
-        seat(0, "rich", points=120.0, placement=2.0, supplies=120.0),
-        seat(1, "alive", points=100.0, placement=1.0, supplies=0.0),
-    ]
-    (match,) = rated_matches(results_of("royale", {0: seats}), repeats=2)
-    assert match.places == (2, 1)
-
-
-def test_in_a_race_the_shorter_time_wins() -> None:
-    seats = [seat(0, "slow", time=60.0), seat(1, "fast", time=20.0)]
-    (match,) = rated_matches(results_of("capture", {0: seats}), repeats=2)
-    assert match.places == (2, 1)
-
-
-def test_the_seats_of_an_entrant_are_one_team() -> None:
-    seats = [seat(0, "ada", team=0, supplies=4.0), seat(2, "bob", team=1, supplies=5.0)]
-    seats += [seat(1, "bob", team=1, supplies=5.0), seat(3, "ada", team=0, supplies=4.0)]
-    (match,) = rated_matches(results_of("battle", {0: seats}), repeats=2)
-    assert match == RatedMatch(0, (("ada",), ("bob",)), (2, 1))
-
-
-def test_a_mixed_team_has_all_its_members_in_one_place() -> None:
-    seats = [
-        seat(0, "ada", team=0, supplies=9.0),
-        seat(1, "bob", team=0, supplies=9.0),
-        seat(2, "cy", team=1, supplies=2.0),
-        seat(3, "dan", team=1, supplies=2.0),
-    ]
-    (match,) = rated_matches(results_of("battle", {5: seats}), repeats=2)
-    assert match == RatedMatch(2, (("ada", "bob"), ("cy", "dan")), (1, 2))
+@pytest.mark.parametrize(
+    ("track", "seats", "teams", "places"),
+    [
+        (
+            "battle",
+            [seat(0, "ada", supplies=3.0), seat(1, "bob", supplies=7.0), seat(2, "cy", supplies=3.0)],
+            (*ADA_AND_BOB, ("cy",)),
+            (2, 1, 2),
+        ),
+        # A royale is won by the last one standing, and not by the richest.
+        (
+            "royale",
+            [seat(0, "ada", points=9.0, placement=2.0), seat(1, "bob", points=1.0, placement=1.0)],
+            ADA_AND_BOB,
+            (2, 1),
+        ),
+        ("capture", [seat(0, "ada", time=60.0), seat(1, "bob", time=20.0)], ADA_AND_BOB, (2, 1)),
+        # The seats of an entrant are one team.
+        (
+            "battle",
+            [
+                seat(number, ("ada", "bob")[number % 2], number % 2, supplies=4 + number % 2)
+                for number in range(4)
+            ],
+            ADA_AND_BOB,
+            (2, 1),
+        ),
+        (
+            "battle",
+            [seat(number, name, number // 2, supplies=-(number // 2)) for number, name in enumerate("abcd")],
+            (("a", "b"), ("c", "d")),
+            (1, 2),
+        ),
+    ],
+    ids=["equal scores", "last one standing", "shorter time", "one entrant", "mixed"],
+)
+def test_the_team_with_the_better_score_has_the_better_place(
+    track: str, seats: list[SeatRow], teams: tuple[tuple[str, ...], ...], places: tuple[int, ...]
+) -> None:
+    (match,) = rated_matches(results_of(track, {5: seats}), repeats=2)
+    assert match == RatedMatch(2, teams, places)
 
 
 def test_a_match_that_the_platform_broke_rates_nobody() -> None:

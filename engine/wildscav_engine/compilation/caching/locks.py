@@ -44,12 +44,7 @@ class Lock:
 
 @contextmanager
 def locked(file: Path, before_waiting: Callable[[], None] | None = None) -> Iterator[None]:
-    """Hold a lock, after waiting while another process holds it.
-
-    Args:
-        file: The file to lock.
-        before_waiting: Called if another process holds the lock.
-    """
+    """Hold a lock on a file; if another process holds it, call ``before_waiting`` and wait."""
     lock = Lock(file)
     if not lock.take():
         if before_waiting is not None:

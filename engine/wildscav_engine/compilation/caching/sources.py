@@ -144,12 +144,7 @@ def _groups_called(tree: ast.Module) -> Iterator[str]:
 
 
 def _imported_names(tree: ast.AST, package: list[str]) -> Iterator[str]:
-    """Yield the full name of every import that may be a module.
-
-    Args:
-        tree: The syntax tree of a file.
-        package: The names of the packages that contain the file, outermost first.
-    """
+    """Yield the full name of every import that may be a module, of a file in packages, outermost first."""
     for node in _run(tree):
         if isinstance(node, ast.Import):
             for alias in node.names:

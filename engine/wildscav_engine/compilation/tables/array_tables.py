@@ -96,11 +96,7 @@ def _kernel(plain: Function, reader: str, *arguments: Any) -> Function:
 
 
 def reader(like: Arrays) -> Callable[[Addresses], Arrays]:
-    """Return a kernel that reads all arrays of a table.
-
-    Args:
-        like: An example NamedTuple, with the dtypes and numbers of axes of the arrays to be read.
-    """
+    """Return a kernel that reads all arrays of a table, with dtypes and axes like those of an example."""
     expect(like)
 
     def whole(table: Addresses) -> Arrays:
@@ -113,10 +109,8 @@ def reader(like: Arrays) -> Callable[[Addresses], Arrays]:
 def row_reader(like: Arrays) -> Callable[[Addresses, int, int], Arrays]:
     """Return a kernel that reads one row of every array of a table, without the padding at its end.
 
-    Its arguments are the table, the index on the first axis, and the used length of the second axis.
-
-    Args:
-        like: An example NamedTuple, with the dtypes and numbers of axes of the arrays to be read.
+    Its arguments are the table, the index on the first axis, and the used length of the second axis. The
+    arrays have dtypes and axes like those of an example.
     """
     expect(like)
 
@@ -131,11 +125,7 @@ def row_reader(like: Arrays) -> Callable[[Addresses, int, int], Arrays]:
 
 
 def number_reader(like: Any) -> Callable[[NDArray[np.float64]], Any]:
-    """Return a kernel that converts (N,) float64 to a NamedTuple of numbers.
-
-    Args:
-        like: An example NamedTuple of numbers; its integer fields are read as integers.
-    """
+    """Return a kernel that converts (N,) float64 to a NamedTuple of numbers, some whole, like an example."""
 
     def numbers(values: NDArray[np.float64]) -> Any:
         return type(like)(*(type(number)(value) for number, value in zip(like, values, strict=True)))

@@ -30,13 +30,7 @@ def fills_of(like: Any) -> NDArray[np.uint8]:
 
 @kernel
 def clear_rows(table: Addresses, fills: NDArray[np.uint8], rows: NDArray[np.int64]) -> None:
-    """Reset some rows of all arrays of a table to their values in a new batch.
-
-    Args:
-        table: (F, 6).
-        fills: (F,) the byte with which each array is filled.
-        rows: (N,) the rows to reset.
-    """
+    """Reset some rows of all arrays of a table to their values in a new batch, given ``fills_of`` it."""
     for field in range(table.shape[0]):
         size = row_size(table, field)
         for row in rows:
@@ -58,13 +52,9 @@ def row_size(table: Addresses, field: int) -> int:
 def copy_row(
     table: Addresses, row: int, sizes: NDArray[np.int64], content: NDArray[np.uint8], writes: bool
 ) -> None:
-    """Copy the beginning of a row of every array of a table to a buffer, or back.
+    """Copy so many bytes of a row of every array of a table to a buffer, one after another.
 
-    Args:
-        table: (F, 6).
-        sizes: (F,) how many bytes of each array are copied.
-        content: (N,) the buffer, with the bytes of the arrays one after another.
-        writes: Whether to write the row from the buffer; otherwise the buffer is written.
+    If ``writes``, the row is written from the buffer instead.
     """
     first = 0
     for field in range(table.shape[0]):

@@ -14,13 +14,13 @@ from wildscav_engine.envs.league.table import (
     Results,
     Weighting,
     priorities,
-    read_table,
-    write_table,
 )
 from wildscav_engine.envs.settings.players import Player, PolicyOpponent, Sampler, read_player
 from wildscav_engine.specs.validation import one_line
+from wildscav_engine.storage.files import read_limited, write_whole
 
 Factory = Callable[[Any], Any]
+LARGEST_TABLE = 10_000_000  # bytes
 
 
 class League(Sampler):
@@ -110,12 +110,7 @@ class League(Sampler):
         return chosen
 
     def add_robot(self, name: str) -> None:
-        """Add a robot, for instance a stronger one when the learner beats the others.
-
-        Raises:
-            LeagueError: There is one of this name already.
-            ValueError: There is no such robot.
-        """
+        """Add a robot, for instance a stronger one when the learner beats the others, or raise ValueError."""
         if name in self.results:
             raise LeagueError(f"the league already has {name!r}; names must differ")
         self._robots[_checked_robot(name)] = Results(name=name)
@@ -146,11 +141,7 @@ class League(Sampler):
     # Its choices.
 
     def probabilities(self) -> dict[str, float]:
-        """Return the probability of each opponent to fill a seat in the next episode.
-
-        Raises:
-            LeagueError: The league is empty.
-        """
+        """Return the probability of each opponent to fill a seat in the next episode, or LeagueError."""
         if not self._members and not self._robots:
             raise LeagueError("the league is empty: add a policy, or give it robots")
         latest = self.settings.latest_share if self._members else 0.0
@@ -170,21 +161,13 @@ class League(Sampler):
         return {name: share * chance for name, chance in zip(table, chances, strict=True)}
 
     def sample(self, seats: int, random: Random) -> list[Player]:
-        """Return who fills some seats, each drawn independently; see ``Sampler``.
-
-        Raises:
-            LeagueError: The league is empty.
-        """
+        """Return who fills some seats, each drawn independently; see ``Sampler``."""
         chances = self.probabilities()
         drawn = random.choices(list(chances), list(chances.values()), k=seats)
         return [self.member(name) for name in drawn]
 
     def member(self, name: str) -> Player:
-        """Return an opponent by its name.
-
-        Raises:
-            LookupError: There is none of this name.
-        """
+        """Return an opponent by its name; LookupError if there is none."""
         if name in self._robots:
             return name
         if name not in self._players:
@@ -217,7 +200,7 @@ class League(Sampler):
         Raises:
             OSError: The file cannot be written; an older one stays as it is.
         """
-        write_table(Path(path), self.table)
+        write_whole(Path(path), self.table.model_dump_json(indent=1).encode() + b"\n")
 
     @property
     def table(self) -> LeagueTable:
@@ -245,17 +228,17 @@ class League(Sampler):
             LeagueError: The file is not a table of a league, or a policy is missing.
             OSError: The file cannot be read.
         """
-        return cls.of(read_table(Path(path)), sources, factory=factory)
+        try:
+            table = LeagueTable.model_validate_json(read_limited(Path(path), LARGEST_TABLE))
+        except ValidationError as error:
+            raise LeagueError(f"{path} is not the table of a league: {one_line(error)}") from None
+        return cls.of(table, sources, factory=factory)
 
     @classmethod
     def of(
         cls, table: LeagueTable, sources: Mapping[str, Any], *, factory: Factory | None = None
     ) -> "League":
-        """Return the league of a table; the arguments are those of ``load``.
-
-        Raises:
-            LeagueError: A policy is missing.
-        """
+        """Return the league of a table; arguments and errors are those of ``load``."""
         league = cls(
             robots=[each.name for each in table.robots], factory=factory, **table.settings.model_dump()
         )

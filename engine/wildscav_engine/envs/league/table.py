@@ -1,16 +1,12 @@
 """The table of a league: its settings, and the results against each opponent, as JSON."""
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from wildscav_engine.specs.base import Spec
-from wildscav_engine.specs.validation import one_line
-from wildscav_engine.storage.files import read_limited, write_whole
 
-LARGEST_TABLE = 10_000_000  # bytes
 Share = Annotated[float, Field(ge=0, le=1)]
 Count = Annotated[int, Field(ge=0)]
 Weighting = Literal["hard", "variance", "uniform"]
@@ -67,12 +63,7 @@ class Results(Spec):
         return (self.recent - self.recent_score + 1.0) / (self.recent + 2.0)
 
     def with_result(self, result: float, memory: float) -> "Results":
-        """Return the results after one more game.
-
-        Args:
-            result: 1 if the learner won, 0.5 for a draw, 0 if it lost.
-            memory: The weight that all earlier results keep.
-        """
+        """Return the results after one more game (1 won, 0.5 drawn, 0 lost); ``memory`` weighs the others."""
         return self.model_copy(
             update={
                 "wins": self.wins + (result > 0.5),
@@ -114,25 +105,3 @@ def _weight(results: Results, settings: LeagueSettings) -> float:
     if settings.weighting == "uniform":
         return 1.0
     return results.loss_rate * (results.win_rate if settings.weighting == "variance" else 1.0)
-
-
-def write_table(path: Path, table: LeagueTable) -> None:
-    """Write a table; readers never see a part of it.
-
-    Raises:
-        OSError: The file cannot be written; an older one stays as it is.
-    """
-    write_whole(path, table.model_dump_json(indent=1).encode() + b"\n")
-
-
-def read_table(path: Path) -> LeagueTable:
-    """Read a table.
-
-    Raises:
-        LeagueError: It is not a table of a league.
-        OSError: The file cannot be read.
-    """
-    try:
-        return LeagueTable.model_validate_json(read_limited(path, LARGEST_TABLE))
-    except ValidationError as error:
-        raise LeagueError(f"{path} is not the table of a league: {one_line(error)}") from None

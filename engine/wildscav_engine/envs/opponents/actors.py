@@ -20,14 +20,7 @@ class PolicyActor:
     """A policy that fills seats."""
 
     def __init__(self, opponent: PolicyOpponent, settings: Settings, first: int, places: int) -> None:
-        """Wrap a policy.
-
-        Args:
-            opponent: The policy.
-            settings: Its observations and actions.
-            first: The first seat behind the learners'.
-            places: The number of seats behind the learners'.
-        """
+        """Wrap a policy; ``first`` is the first of the ``places`` seats behind the learners'."""
         self.name, self.settings, self.has_memory = opponent.name, settings, opponent.is_stateful
         self._policy: Any = opponent.policy
         self._first, self._places = first, places
@@ -41,11 +34,7 @@ class PolicyActor:
         self._policy.reset(self._rows(seated), np.array(seeds, np.uint64))
 
     def act(self, batch: "Batch", seated: Seated, observation: Observation) -> NDArray[np.float32]:
-        """Return (N, FIELDS) the rows of actions of some seats.
-
-        Raises:
-            ActionError: The policy returned something else than actions of its action space.
-        """
+        """Return (N, FIELDS) the rows of actions of some seats."""
         if self.has_memory:
             chosen = self._policy.act(observation, self._rows(seated))
         else:
@@ -77,11 +66,7 @@ class ControllerActor:
         self._controller.begin(batch, seated.matches, seated.seats)
 
     def act(self, batch: "Batch", seated: Seated) -> NDArray[np.float32]:
-        """Return (N, FIELDS) the rows of actions of some seats.
-
-        Raises:
-            ActionError: The controller returned something else.
-        """
+        """Return (N, FIELDS) the rows of actions of some seats."""
         rows = np.asarray(self._controller.act(batch, seated.matches, seated.seats))
         wanted = (len(seated.matches), FIELDS)
         if rows.shape != wanted or rows.dtype.kind not in "fiu":

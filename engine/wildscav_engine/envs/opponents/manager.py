@@ -35,15 +35,10 @@ ROBOT = -1  # instead of the number of an actor: the simulation plays the seat
 
 
 def results_against(match: MatchInBatch, learners: int, seat: int) -> Iterator[float]:
-    """Yield the results of an episode against one seat: one for each team of learners except the seat's own.
+    """Yield the results of an episode against one seat: one for each team of learners but the seat's own.
 
     The score decides, which is the first metric of the track; in ``royale``, the points, and so mainly the
-    placement. The first learner of each team counts.
-
-    Args:
-        match: The match at the end of the episode.
-        learners: The number of learners, who have the first seats.
-        seat: The seat that the learners played against.
+    placement. The first learner of each team counts; learners have the first seats.
     """
     teams = match.spec.team_of_seats
     first_of_team = {teams[learner]: learner for learner in reversed(range(learners))}
@@ -77,11 +72,7 @@ class OpponentManager:
     """
 
     def __init__(self, config: EnvConfig, matches: int) -> None:
-        """Create the players of an environment.
-
-        Raises:
-            ValueError: The settings of a policy are invalid.
-        """
+        """Create the players of an environment."""
         self._config, self._matches, self._entries = config, matches, config.players
         self._first = config.agents
         self.acts = any(not isinstance(entry, str) for entry in self._entries)
@@ -105,11 +96,7 @@ class OpponentManager:
     # Who plays.
 
     def choose(self, rows: Sequence[int], specs: Sequence[MatchSpec]) -> list[MatchSpec]:
-        """Choose who plays the next matches in some rows, and return their specs with what fills each seat.
-
-        Raises:
-            ValueError: A sampler returned the wrong number of players, or something that cannot play.
-        """
+        """Choose who plays the next matches in some rows; return their specs with what fills each seat."""
         if not self.acts:
             return list(specs)
         chosen = []
@@ -184,18 +171,9 @@ class OpponentManager:
     # What they do.
 
     def act(self, batch: "Batch", view: View, actions: NDArray[np.float32], skip: Sequence[int] = ()) -> None:
-        """Write the actions of all players but robots for the next step.
+        """Write (B, A, FIELDS) the actions of all players but robots for a step, except in ``skip``.
 
         Seats of dead or eliminated agents are asked, too; their actions have no effect.
-
-        Args:
-            batch: The matches.
-            view: Returns the view of a match by its index.
-            actions: (B, A, FIELDS), written.
-            skip: The matches that do not play this step, in which no policy is called.
-
-        Raises:
-            ActionError: A policy returned something else than actions of its action space.
         """
         groups = self._groups if self._groups is not None else self._group(batch)
         for observed in self._observed.values():
@@ -246,12 +224,7 @@ class OpponentManager:
     # Results.
 
     def report(self, done: NDArray[np.bool_], view: View) -> None:
-        """Record the results of the episodes that have ended since the last call.
-
-        Args:
-            done: (B, L) whether each learner's episode has ended.
-            view: Returns the view of a match by its index.
-        """
+        """Record the results of episodes that have ended since the last call, as (B, L) ``done`` says."""
         ended = done.all(axis=1) & self._counts
         if not ended.any():
             return
@@ -266,11 +239,7 @@ class OpponentManager:
     # States.
 
     def names(self, match: int) -> list[str] | None:
-        """Return the names of the players of a match, to be kept with its state; None if all are robots.
-
-        Raises:
-            StateError: One of them has a memory, which would not be part of the state.
-        """
+        """Return the names of the players of a match, to be kept with its state; None if all are robots."""
         if not self.acts:
             return None
         for number in np.unique(self._numbers[match]).tolist():
@@ -282,11 +251,7 @@ class OpponentManager:
         return [name_of(player) for player in self._players[match]]
 
     def find(self, names: Sequence[str] | None) -> list[Player] | None:
-        """Return the players whose names are kept with a state.
-
-        Raises:
-            StateError: One of them is not in this environment.
-        """
+        """Return the players whose names are kept with a state."""
         if (names is not None) != self.acts or (names is not None and len(names) != len(self._entries)):
             others = "robots only" if names is None else ", ".join(names)
             here = ", ".join(

@@ -27,11 +27,7 @@ class Settings(NamedTuple):
 
 
 def settings_of(config: EnvConfig, opponent: PolicyOpponent) -> Settings:
-    """Return the settings of a policy: its own where it has any, otherwise the learner's.
-
-    Raises:
-        ValueError: One is invalid; the message names the policy.
-    """
+    """Return the settings of a policy: its own where it has any, otherwise the learner's."""
     own: Mapping[str, Any] = {
         name: value
         for name in ("sensors", "flat", "action_mode")

@@ -125,13 +125,9 @@ class Renderer:
 
 
 def mark_agents(picture: NDArray[np.uint8], agents: Agents, height: float, *, tangent_of_half: float) -> None:
-    """Mark the living agents of one match, in place.
+    """Mark the living agents in a picture (height, width, 3) from above the middle, north at the top.
 
-    Args:
-        picture: (height, width, 3) from a camera above the center of the map, north at the top.
-        agents: With a leading axis of length one.
-        height: m, height of the camera.
-        tangent_of_half: The tangent of half the camera's horizontal angle of view.
+    The camera is at a height in m, and has twice the angle of view whose tangent is given.
     """
     rows, columns = picture.shape[:2]
     size = max(MIN_SIZE, SIZE * max(rows, columns))
@@ -186,16 +182,7 @@ class Window:
         self.is_closed = False  # by its user
 
     def show(self, picture: NDArray[np.uint8], title: str) -> None:
-        """Show a picture, and wait until the next one is due.
-
-        Args:
-            picture: (height, width, 3) red, green, blue.
-            title: What stands above it.
-
-        Raises:
-            NoDisplayError: There is no display.
-            gymnasium.error.DependencyNotInstalled: pygame is not installed.
-        """
+        """Show a picture (height, width, 3), and wait until the next one is due."""
         if self.is_closed:
             return
         pygame = _pygame()

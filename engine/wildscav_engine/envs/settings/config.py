@@ -8,7 +8,6 @@ from pydantic import AfterValidator, Field, ValidationError, field_validator, mo
 from wildscav_engine.envs.registry import VERSION, Version
 from wildscav_engine.envs.settings.functions import checked_observers, checked_rewards
 from wildscav_engine.envs.settings.players import ActionMode, Player, Sampler, read_entry, seat_entry
-from wildscav_engine.envs.settings.suggestions import did_you_mean
 from wildscav_engine.maps.levels import Level
 from wildscav_engine.maps.pools import Split
 from wildscav_engine.sensors import Sensor, allowed_sensors, parse_sensors
@@ -19,7 +18,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec, Position
 from wildscav_engine.specs.rules import Rules, RulesField, Senses
 from wildscav_engine.specs.supply_config import SupplyConfig
-from wildscav_engine.specs.validation import one_line
+from wildscav_engine.specs.validation import did_you_mean, one_line
 from wildscav_engine.specs.zone_config import ZoneConfig
 from wildscav_engine.tracks import TRACKS
 from wildscav_engine.tracks.rewards import RewardSum
@@ -145,11 +144,7 @@ class EnvConfig(Spec):
         return tuple(field for field in ActionField if field in TRACKS[self.track].fields)
 
     def read_sensors(self) -> dict[str, Sensor]:
-        """Return the sensors by name.
-
-        Raises:
-            ValueError: A sensor is invalid.
-        """
+        """Return the sensors by name."""
         senses = self.rules.senses
         if self.sensors is not None:
             chosen = allowed_sensors(parse_sensors(self.sensors), self.rules)
@@ -176,11 +171,7 @@ class EnvConfig(Spec):
         return supplies is not None and supplies.hot_spot is not None
 
     def match_spec(self) -> MatchSpec:
-        """Return the spec of the match, without its map and its seed.
-
-        Raises:
-            ValueError: The options do not give a valid match.
-        """
+        """Return the spec of the match, without its map and its seed."""
         return MatchSpec(
             teams=self.team_of_seats,
             time_limit=TRACKS[self.track].time_limit if self.time_limit is None else self.time_limit,
@@ -214,13 +205,7 @@ ONCE = ("start", "start_range", "target", "map")  # what the options of a reset 
 def change_config(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
     """Return the options of an environment with changes that it can make between episodes.
 
-    Args:
-        config: The present options.
-        changes: New values by the names in ``CHANGEABLE``. Terms of the reward that are not named get the
-            weight 0.
-
-    Raises:
-        ValueError: An option cannot change, or its value is invalid; the message is one line.
+    Terms of the reward that are not named get the weight 0. The errors are those of ``read_config``.
     """
     if fixed := sorted(changes.keys() - set(CHANGEABLE)):
         hint = "" if fixed[0] in EnvConfig.model_fields else did_you_mean(fixed[0], CHANGEABLE)
@@ -243,15 +228,7 @@ def change_config(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
 
 
 def config_of_episode(config: EnvConfig, options: Mapping[str, Any]) -> EnvConfig:
-    """Return the options of one episode: those of an environment, apart from what a reset sets.
-
-    Args:
-        config: The options of the environment.
-        options: Values by the names in ``ONCE``.
-
-    Raises:
-        ValueError: There is no such option of a reset, or its value is invalid; the message is one line.
-    """
+    """Return the options of one episode: an environment's, apart from what a reset sets."""
     check_reset(options, ONCE)
     changed = with_changes(config, {**options, **({"starts": None} if "start" in options else {})})
     is_random = changed.map is None or isinstance(changed.map, MapConfig)
@@ -259,11 +236,7 @@ def config_of_episode(config: EnvConfig, options: Mapping[str, Any]) -> EnvConfi
 
 
 def check_reset(options: Any, known: Sequence[str]) -> None:
-    """Check that the options of a reset are a dictionary of known ones.
-
-    Raises:
-        ValueError: They are not; the message is one line that names the known ones.
-    """
+    """Refuse options of a reset that are no dictionary of known ones, in one line that names these."""
     if not isinstance(options, Mapping):
         raise ValueError(f"options is {options!r}, must be a dictionary with some of {', '.join(known)}")
     if unknown := sorted(map(str, options.keys() - set(known))):
@@ -281,7 +254,6 @@ def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvC
     """Return the validated options of an environment.
 
     Args:
-        track: The track.
         options: Values by the names of the fields of ``EnvConfig``; ``preset`` names a preset to start from.
         defaults: Values of options that neither ``options`` nor the preset sets.
 

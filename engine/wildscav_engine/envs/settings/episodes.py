@@ -34,11 +34,7 @@ class Episode(NamedTuple):
 
 
 def pool_of(config: EnvConfig) -> MapPool:
-    """Return the maps that the episodes of an environment are drawn from.
-
-    Raises:
-        ValueError: There is no map with a given number, or such maps have no unseen pieces.
-    """
+    """Return the maps that the episodes of an environment are drawn from; ValueError if there are none."""
     choice = config.map
     if choice is None or isinstance(choice, MapConfig):
         kind = config.level if choice is None else choice
@@ -57,15 +53,7 @@ class Plan:
     """What the episodes of an environment have in common."""
 
     def __init__(self, config: EnvConfig, pool: MapPool | None = None) -> None:
-        """Plan the episodes of an environment with these options.
-
-        Args:
-            config: The options.
-            pool: The maps from which to draw; None: those of the options.
-
-        Raises:
-            ValueError: As ``pool_of``.
-        """
+        """Plan the episodes of an environment with these options, on the maps of a pool if it is given."""
         self.config = config
         self.template = config.match_spec()  # apart from seed and map
         self.pool = pool_of(config) if pool is None else pool
@@ -86,11 +74,7 @@ class Episodes:
     number: int = 0  # of the next episode
 
     def next(self, plan: Plan) -> Episode:
-        """Return the next episode. It stays the next one until ``number`` is raised.
-
-        Raises:
-            MapError: The map cannot be made.
-        """
+        """Return the next episode. It stays the next one until ``number`` is raised."""
         first, second = self.draw()
         seed = first // 2 * 2 + PARITY[plan.config.split]
         game_map = plan.pool.draw(second)
@@ -104,11 +88,7 @@ class Episodes:
 
 
 def next_episodes(sequences: Collection[Episodes], plans: Sequence[Plan]) -> list[Episode]:
-    """Return the next episode of each sequence by its plan; maps that several need are made at once.
-
-    Raises:
-        MapError: A map cannot be made.
-    """
+    """Return the next episode of each sequence by its plan; maps that several need are made at once."""
     if len(sequences) > 1:
         for pool in {id(plan.pool): plan.pool for plan in plans}.values():
             if not pool.is_made:
@@ -118,11 +98,7 @@ def next_episodes(sequences: Collection[Episodes], plans: Sequence[Plan]) -> lis
 
 
 def read_each(options: Any, rows: int) -> list[Mapping[str, Any]]:
-    """Return the options of a reset for each row: those in ``each`` take precedence over those beside it.
-
-    Raises:
-        ValueError: ``each`` is no list with a dictionary, or None, for each row.
-    """
+    """Return the options of a reset for each row: those in ``each`` take precedence over those beside it."""
     if "each" not in options:
         return [options] * rows
     each = options["each"]
@@ -136,11 +112,7 @@ def read_each(options: Any, rows: int) -> list[Mapping[str, Any]]:
 
 
 def read_rows(rows: Any, count: int) -> list[int]:
-    """Return the numbers of some rows.
-
-    Raises:
-        ValueError: They are not a sequence of numbers from 0 to below ``count``.
-    """
+    """Return the numbers of some rows, of which there are ``count``."""
     try:
         numbers = [-1 if isinstance(row, bool) else operator.index(row) for row in rows]
     except TypeError:
@@ -151,11 +123,7 @@ def read_rows(rows: Any, count: int) -> list[int]:
 
 
 def read_seed(seed: Any) -> int:
-    """Return the seed of an environment.
-
-    Raises:
-        ValueError: It is not a whole number, or is negative.
-    """
+    """Return the seed of an environment."""
     try:
         number = operator.index(seed)
     except TypeError:
@@ -168,12 +136,7 @@ def read_seed(seed: Any) -> int:
 def read_seeds(seed: Any, rows: int) -> list[int | None]:
     """Return the seeds of the rows of an environment, None to continue their sequences of episodes.
 
-    Args:
-        seed: That of the first row, from which the others count on; or those of all rows.
-        rows: The number of rows.
-
-    Raises:
-        ValueError: A seed is invalid, or there is another number of them.
+    One seed is that of the first row, from which the others count on; a list has those of all rows.
     """
     has_length = seed.ndim > 0 if isinstance(seed, np.ndarray) else isinstance(seed, Sequence)
     if not has_length or isinstance(seed, str | bytes):
@@ -185,16 +148,7 @@ def read_seeds(seed: Any, rows: int) -> list[int | None]:
 
 
 def read_mask(mask: Any, rows: int, name: str) -> NDArray[np.bool_]:
-    """Return a copy of a mask of rows to reset.
-
-    Args:
-        mask: (rows,) bool.
-        rows: The number of rows.
-        name: Of the mask, for errors.
-
-    Raises:
-        ValueError: The mask has another shape or dtype, or selects no row.
-    """
+    """Return a copy of a mask (rows,) of rows to reset; ``name`` is its own, for errors."""
     try:
         array = np.array(mask)
     except ValueError:  # rows of different lengths

@@ -77,11 +77,7 @@ def read_only(arrays: Arrays) -> Arrays:
 
 
 def checked_rewards(functions: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return reward functions by name.
-
-    Raises:
-        ValueError: One cannot be called with ``Learners``, or has the name of a reward term.
-    """
+    """Return reward functions by name; ValueError if one cannot be called or is named as a reward term."""
     for name, function in functions.items():
         _check_call(name, function)
         if name in REWARD_TERMS:
@@ -90,11 +86,7 @@ def checked_rewards(functions: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def checked_observers(observers: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return observers by name.
-
-    Raises:
-        ValueError: One cannot be called with ``Learners``, or its space is no Box of numbers.
-    """
+    """Return observers by name; ValueError if one cannot be called or its space is no Box of numbers."""
     for name, observer in observers.items():
         _check_call(name, observer)
         space = getattr(observer, "space", None)
@@ -106,9 +98,16 @@ def checked_observers(observers: Mapping[str, Any]) -> Mapping[str, Any]:
 def _check_call(name: str, function: Any) -> None:
     if not callable(function) or isinstance(function, type):
         raise ValueError(f"{name!r} is {function!r}, must be a function or an object that can be called")
+    if not takes(function, "learners"):
+        raise ValueError(f"{name!r} must take one argument, the learners")
+
+
+def takes(function: Callable[..., Any], *arguments: str) -> bool:
+    """Return whether a function can be called with so many arguments."""
     try:
-        inspect.signature(function).bind(None)
+        inspect.signature(function).bind(*arguments)
     except TypeError:
-        raise ValueError(f"{name!r} must take one argument, the learners") from None
+        return False
     except ValueError:  # a function without a signature, which may take anything
-        return
+        return True
+    return True

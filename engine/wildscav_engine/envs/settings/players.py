@@ -9,7 +9,6 @@ An entry of ``teammates`` or ``opponents`` is one of these:
 - a ``Sampler``, which chooses one of the above anew for each episode, such as ``League``.
 """
 
-import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,9 +19,10 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.envs.settings.suggestions import did_you_mean
+from wildscav_engine.envs.settings.functions import takes
 from wildscav_engine.extensions import Registry
-from wildscav_engine.specs.match_spec import SUBMISSION, RobotName
+from wildscav_engine.specs.match_spec import SUBMISSION
+from wildscav_engine.specs.validation import did_you_mean
 
 if TYPE_CHECKING:
     from wildscav_engine.simulation.batch import Batch
@@ -32,7 +32,7 @@ Indices: TypeAlias = NDArray[np.int64]
 
 LONGEST_NAME = 100  # characters
 ActionMode = Literal["dict", "box", "baseline", "multidiscrete", "fine", "keys"]
-_ROBOTS: Registry[tuple[RobotName, ...]] = Registry("wildscav.robots")
+_ROBOTS: Registry[Any] = Registry("wildscav.robots")  # levels of ``Robot``
 
 
 class StatefulPolicy(Protocol):
@@ -104,21 +104,13 @@ def _calls_of(policy: Any) -> dict[str, tuple[str, ...]]:
 
 
 def _check_call(policy: Any, method: str, wanted: tuple[str, ...]) -> None:
-    """Check that a method takes some positional arguments.
-
-    Raises:
-        ValueError: It does not, or does not exist.
-    """
+    """Check that a method takes some positional arguments."""
     shown = f"{type(policy).__name__}.{method}" if method != "__call__" else f"the policy {policy!r}"
     call = policy if method == "__call__" else getattr(policy, method, None)
     if not callable(call):
         raise ValueError(f"{shown} is missing; a policy has act(observations, rows) and reset(rows, seeds)")
-    try:
-        inspect.signature(call).bind(*wanted)
-    except TypeError:
-        raise ValueError(f"{shown} must take ({', '.join(wanted)})") from None
-    except ValueError:  # a function without a signature, which may take anything
-        return
+    if not takes(call, *wanted):
+        raise ValueError(f"{shown} must take ({', '.join(wanted)})")
 
 
 class SeatController(ABC):
@@ -181,22 +173,14 @@ class Sampler(ABC):
 
 
 def read_entry(entry: object) -> Player | Sampler:
-    """Return a validated entry of ``teammates`` or ``opponents``.
-
-    Raises:
-        ValueError: It cannot play, or there is no such robot.
-    """
+    """Return a validated entry of ``teammates`` or ``opponents``."""
     if isinstance(entry, Sampler):
         return entry
     return read_player(entry)
 
 
 def read_player(entry: object) -> Player:
-    """Return a validated player.
-
-    Raises:
-        ValueError: It cannot play, or there is no such robot.
-    """
+    """Return a validated player."""
     if isinstance(entry, str):
         return _checked_robot(entry)
     if isinstance(entry, PolicyOpponent | SeatController):

@@ -54,13 +54,7 @@ class ActionMode(ABC):
 
     @abstractmethod
     def decode(self, actions: Any, yaws: Yaws, rows: Rows, axes: Axes) -> None:
-        """Write the rows of N learners' actions.
-
-        Args:
-            actions: The actions of N learners, as Gymnasium batches them.
-            yaws: Of the learners.
-            rows: What to write.
-            axes: The leading axes of the actions.
+        """Write the rows of the actions of N learners, as Gymnasium batches them, with these leading axes.
 
         Raises:
             ActionError: The actions are not in the action space.
@@ -96,18 +90,10 @@ def choice_mask(choices: int, alive: bool) -> NDArray[np.int8]:
 def as_array(
     values: ArrayLike, axes: Axes, own: Axes, kinds: tuple[np.dtype[Any], ...], name: str = "actions"
 ) -> NDArray[Any]:
-    """Return the actions of N learners as (N, *own) numbers.
+    """Return (*axes, *own) actions of N learners as (N, *own) numbers.
 
-    Args:
-        values: (*axes, *own) numbers; one number may also be an array of one element.
-        axes: The leading axes.
-        own: The shape of one action.
-        kinds: The dtypes of the result; numbers of others become the first one. If it is of integers, the
-            numbers have to be whole.
-        name: Of the values, for errors.
-
-    Raises:
-        ActionError: They have another shape, or are not such numbers.
+    One number may also be an array of one element. Numbers of other dtypes than ``kinds`` become the first
+    one. If that is of integers, they have to be whole.
     """
     shape, array = axes + own, values
     if type(array) is not np.ndarray or array.dtype not in kinds or array.shape != shape:
@@ -120,11 +106,7 @@ def as_array(
 
 
 def _converted(values: ArrayLike, shape: Axes, kind: np.dtype[Any], name: str) -> NDArray[Any]:
-    """Return numbers as an array of some dtype.
-
-    Raises:
-        ActionError: They have another shape, or are not such numbers.
-    """
+    """Return numbers as an array of some dtype."""
     try:
         array = np.asarray(values)
     except ValueError:  # rows of different lengths
@@ -138,11 +120,7 @@ def _converted(values: ArrayLike, shape: Axes, kind: np.dtype[Any], name: str) -
 
 
 def check_names(actions: Any, names: Collection[str]) -> None:
-    """Check that actions are a dictionary with exactly these names.
-
-    Raises:
-        ActionError: They are not.
-    """
+    """Check that actions are a dictionary with exactly these names."""
     if not isinstance(actions, Mapping) or actions.keys() != set(names):
         given = f"a {type(actions).__name__}"
         if isinstance(actions, Mapping):
@@ -151,11 +129,7 @@ def check_names(actions: Any, names: Collection[str]) -> None:
 
 
 def named_values(actions: Any, names: Sequence[str], axes: Axes) -> NDArray[np.float64]:
-    """Return the actions of N learners, (*axes,) numbers of each name, as (len(names), N) numbers.
-
-    Raises:
-        ActionError: They are no dictionary of these names, or not such numbers.
-    """
+    """Return the actions of N learners, (*axes,) numbers of each name, as (len(names), N) numbers."""
     check_names(actions, names)
     try:
         values = np.array([actions[name] for name in names])

@@ -122,11 +122,7 @@ def write_rows(
     workspace_table: Addresses,
     rows: NDArray[np.float32],
 ) -> int:
-    """Write (B, L, width) the rows of all learners.
-
-    Returns:
-        The number of matches in which the episodes of all learners have ended.
-    """
+    """Write (B, L, width) the rows of all learners; return how many matches have no episode left."""
     batch = batch_at(table)
     agents, supplies = agents_at(batch.agents), supplies_at(batch.supplies)
     matches, seen = matches_at(batch.matches), seen_at(batch.seen)

@@ -37,12 +37,7 @@ class Flattener:
     """Converts observations to rows of numbers."""
 
     def __init__(self, space: Dict, version: int = 0) -> None:
-        """Create a flattener.
-
-        Args:
-            space: The observation space of one learner, a Dict of Boxes.
-            version: The version of the observations.
-        """
+        """Create a flattener of observations in the space of one learner, a Dict of Boxes."""
         boxes: dict[str, Any] = dict(space.spaces)
         scales = [scales_of(name, box, version).reshape(-1) for name, box in boxes.items()]
         self._factors = factors = (1.0 / np.concatenate(scales)).astype(np.float32)
@@ -57,9 +52,7 @@ class Flattener:
     def runs(self, groups: Sequence[tuple[str, int, int]]) -> list[Run]:
         """Return where the columns of flat observations come from, as few as possible.
 
-        Args:
-            groups: The groups of columns that are side by side in rows, in the order of their names: name,
-                first column and end column.
+        The groups are those of ``Layout``: they are side by side in rows, in the order of their names.
         """
         in_rows = {name: (first, last) for name, first, last in groups}
         found: list[Run] = []

@@ -54,17 +54,10 @@ class FunctionReader:
         rewards: NDArray[np.float64],
         found: Readings,
     ) -> None:
-        """Call all functions.
+        """Call all functions: write the terms and the reward into (B, S, width) rows, and (B, S) rewards.
 
-        Args:
-            batch: The matches.
-            done: (B, S) whether the episode of each seat had ended before: then nothing is paid.
-            rows: (B, S, width) the rows; the terms and the reward are written.
-            rewards: (B, S), written.
-            found: The observations are added by their names, (B, S, …).
-
-        Raises:
-            ValueError: A function returned another shape, or numbers that are not finite or not in its space.
+        Nothing is paid to a seat whose episode had ended before, ``done`` (B, S). Observations (B, S, …) are
+        added to ``found`` by their names.
         """
         frames = batch.state.matches.frame
         fresh = np.flatnonzero((frames != self._frames) | self._is_new)
@@ -102,11 +95,7 @@ class FunctionReader:
 
 
 def _numbers(who: str, function: Any, now: Learners, shape: tuple[int, ...], dtype: Any) -> NDArray[Any]:
-    """Return what a function returns for N learners, (N, *shape) in a dtype.
-
-    Raises:
-        ValueError: It has another shape, is not finite, or would lose more than precision.
-    """
+    """Return (N, *shape) finite numbers that a function returns; its dtype may lose only precision."""
     wanted = (len(now.matches), *shape)
     if not wanted[0]:
         return np.empty(wanted, dtype)

@@ -77,12 +77,9 @@ class KeysMode(ActionMode):
         return {name: None if name in MOUSE else choice_mask(2, alive) for name in self.names}
 
     def recover(self, rows: Rows, yaws: Yaws) -> dict[str, NDArray[Any]]:
-        """Return the keys by which agents played rows: those of (N, FIELDS) rows, batched.
+        """Return the keys by which agents played (N, FIELDS) rows; ActionError if none give a row.
 
         Two keys that cancel each other count as not held.
-
-        Raises:
-            ActionError: No keys give a row, because its agent did not play by keys.
         """
         keys = np.zeros((len(self.names), len(rows)))
         turns = rows[:, [TURN, LOOK]].T.astype(np.float64) * (self.frames * COUNTS_PER_DEGREE)

@@ -84,11 +84,7 @@ def part_of(observation: Observation, index: Any) -> Observation:
 
 
 def readings_space(config: EnvConfig) -> Dict:
-    """Return the space of one learner's readings by name.
-
-    Raises:
-        ValueError: An observer has the name of a group or of a sensor.
-    """
+    """Return the space of one learner's readings by name."""
     spaces: dict[str, Space[Any]] = {}
     for part in parts_of(TRACKS[config.track], config.version):
         name, columns = groups_of(config.version)[part]
@@ -119,13 +115,9 @@ class SensorReader:
     def __init__(
         self, sensors: Mapping[str, Sensor], seats: Sequence[int], poses: Poses, threads: int
     ) -> None:
-        """Create a reader.
+        """Create a reader of sensors, by their names in observations, for some seats of all matches.
 
-        Args:
-            sensors: The sensors by their names in observations.
-            seats: The numbers of the S seats.
-            poses: Of the S seats in all matches, match by match; up to date whenever ``begin`` is called.
-            threads: The maximum number of threads.
+        The poses are those of the seats, match by match, and up to date whenever ``begin`` is called.
         """
         self._images = [sensor for sensor in sensors.values() if isinstance(sensor, ImageSensor)]
         self._together = {

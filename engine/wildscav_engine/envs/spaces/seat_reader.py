@@ -42,14 +42,7 @@ class SeatReader:
     """
 
     def __init__(self, config: EnvConfig, seats: Sequence[int], matches: int, part: Any = ()) -> None:
-        """Create a reader.
-
-        Args:
-            config: The options that determine the observations and rewards.
-            seats: The numbers of the seats.
-            matches: The number of matches.
-            part: The index of what observations keep of the axes (B, S), such as (0, 0) for a single seat.
-        """
+        """Create a reader; ``part`` is the index of what observations keep of the axes (B, S)."""
         self.layout = layout_of(config)
         self.ended = 0
         self._seats, self._part, self._threads = tuple(seats), part, config.threads
@@ -67,11 +60,8 @@ class SeatReader:
         self._weights = np.tile(terms.weight, (matches, 1))  # of matches that start from now on
         workspace = allocate_row_workspace(matches, len(config.seats), seats, self.layout.start, terms)
         self.done, self._is_new = workspace.done, workspace.is_new
-        self.terminated, self.truncated, self.rewards = (
-            workspace.terminated,
-            workspace.truncated,
-            workspace.rewards,
-        )
+        self.terminated, self.truncated = workspace.terminated, workspace.truncated
+        self.rewards = workspace.rewards
         self._weights_of_matches = workspace.weight
         poses = workspace.eyes, workspace.yaws, workspace.pitches
         sensors = config.read_sensors()
@@ -79,10 +69,8 @@ class SeatReader:
         has_functions = config.reward_functions or config.observers
         self._functions = FunctionReader(config, seats, matches, self.layout) if has_functions else None
         # The facts after one step are those before the next, so the two arrays swap roles.
-        self._workspace, self._next_workspace = (
-            ArrayTable(workspace),
-            ArrayTable(workspace._replace(before=workspace.after, after=workspace.before)),
-        )
+        swapped = workspace._replace(before=workspace.after, after=workspace.before)
+        self._workspace, self._next_workspace = ArrayTable(workspace), ArrayTable(swapped)
         self._shape = (*self.done.shape, self.layout.width)
 
     def begin(self, batch: "Batch", rows: Sequence[int]) -> None:
@@ -102,15 +90,10 @@ class SeatReader:
     def read(
         self, batch: "Batch", view: Callable[[int], MatchInBatch]
     ) -> tuple[Observation, NDArray[np.float32]]:
-        """Return the observations, and the rows with rewards and events since the last call.
+        """Return the observations, and (B, S, width) rows with rewards and events since the last call.
 
-        Args:
-            batch: The matches.
-            view: Returns the view of a match by its index.
-
-        Returns:
-            The part of the observations by name (B, S, …), or of (B, S, n) if they are flat; and
-            (B, S, width) rows. The arrays are not reused.
+        Observations are by name (B, S, …), or (B, S, n) if flat; of these, the part that is kept. No array is
+        reused.
         """
         output = self.begin_reading(batch, view)
         self.finish_reading()

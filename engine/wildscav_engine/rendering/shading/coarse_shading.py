@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel
 from wildscav_engine.geometry.rays import TERRAIN_HIT
-from wildscav_engine.rendering.hits import Hits
+from wildscav_engine.rendering.hits import Hits, is_same_surface
 from wildscav_engine.rendering.shading.pixel_rows import RowOfPixels
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
@@ -28,12 +28,6 @@ class Chosen(NamedTuple):
     face: NDArray[np.int32]  # only of the first of each piece
     distance: NDArray[np.float32]
     cosine: NDArray[np.float32]  # of the angle between the ray and the view axis
-
-
-@inlined_kernel
-def chosen_in(integers: NDArray[np.int32], floats: NDArray[np.float32]) -> Chosen:
-    """Return the buffers in (4, W) and (2, W) numbers."""
-    return Chosen(integers[0], integers[1], integers[2], integers[3], floats[0], floats[1])
 
 
 @disjoint_kernel
@@ -102,8 +96,7 @@ def _choose(
 def _is_like(line: Hits, column: int, other: Hits, other_column: int) -> bool:
     """Return whether two pixels show the same face of a solid, or both the ground."""
     at, there = nonnegative(column), nonnegative(other_column)
-    is_other_face = (line.face[at] != other.face[there]) & (line.solid[at] != TERRAIN_HIT)
-    return bool((line.solid[at] == other.solid[there]) & (not is_other_face))
+    return is_same_surface(line.solid[at], line.face[at], other.solid[there], other.face[there])
 
 
 @inlined_kernel

@@ -20,10 +20,11 @@ from wildscav_engine.rendering.shading.noise import (
 from wildscav_engine.rendering.shading.pixel_rows import (
     AT_ONCE,
     Channels,
-    Normals,
-    RayDirections,
     TextureScratch,
     TracedRow,
+    Vectors,
+    channels_in,
+    vectors_in,
     write_footprints,
     write_places,
 )
@@ -103,20 +104,17 @@ def write_ground(
     view, pixels = row.camera, row.pixels
     for start in range(first, last, AT_ONCE):
         end = min(last, start + AT_ONCE)
-        own, color, normal = pixels.ways, pixels.color, pixels.normal
-        ways = RayDirections(own.east[start:end], own.up[start:end], own.north[start:end])
-        red, green, blue = color.red[start:end], color.green[start:end], color.blue[start:end]
-        east, up, north = normal.east[start:end], normal.up[start:end], normal.north[start:end]
-        some = row.line.distance[start:end]
+        ways, normal = vectors_in(pixels.ways, start, end), vectors_in(pixels.normal, start, end)
+        color, some = channels_in(pixels.color, start, end), row.line.distance[start:end]
         write_places(view, ways, some, scratch)
         _write_cells(world, end - start, scratch)
-        _write_smooth(ground, scratch, Channels(red, green, blue), Normals(east, up, north))
-        write_footprints(view, ways, some, Normals(east, up, north), scratch)
+        _write_smooth(ground, scratch, color, normal)
+        write_footprints(view, ways, some, normal, scratch)
         _write_grain(end - start, is_fast, scratch)
         for column in range(end - start):
-            red[column] *= scratch.grain[column]
-            green[column] *= scratch.grain[column]
-            blue[column] *= scratch.grain[column]
+            color.red[column] *= scratch.grain[column]
+            color.green[column] *= scratch.grain[column]
+            color.blue[column] *= scratch.grain[column]
 
 
 @inlined_kernel
@@ -139,7 +137,7 @@ def _write_cells(world: World, count: int, scratch: TextureScratch) -> None:
 
 @inlined_kernel
 def _write_smooth(
-    ground: NDArray[np.float32], scratch: TextureScratch, color: Channels, normal: Normals
+    ground: NDArray[np.float32], scratch: TextureScratch, color: Channels, normal: Vectors
 ) -> None:
     """Write colours without grain, and unit normals, which are smooth across the edges of triangles."""
     first, count = 0, color.red.shape[0]
@@ -191,7 +189,7 @@ def _blend_in_cell(
     first: int,
     last: int,
     color: Channels,
-    normal: Normals,
+    normal: Vectors,
 ) -> None:
     """Write what is between the corners of a cell at places in it, from one to before another."""
     row, column = nonnegative(scratch.row[first]), nonnegative(scratch.column[first])
@@ -207,23 +205,15 @@ def _blend_in_cell(
         scratch.seen[first:last],
         scratch.rise[first:last],
     )
-    red, green, blue = color.red[first:last], color.green[first:last], color.blue[first:last]
-    _blend(corners, shares, 0, red, green, blue)
-    east, up, north = normal.east[first:last], normal.up[first:last], normal.north[first:last]
-    _blend(corners, shares, 3, east, up, north)
+    _blend(corners, shares, 0, channels_in(color, first, last))
+    _blend(corners, shares, 3, vectors_in(normal, first, last))
 
 
 @disjoint_kernel
-def _blend(
-    corners: Four,
-    shares: Four,
-    part: int,
-    first: NDArray[np.float32],
-    second: NDArray[np.float32],
-    third: NDArray[np.float32],
-) -> None:
+def _blend(corners: Four, shares: Four, part: int, blended: Channels | Vectors) -> None:
     """Write three of the numbers that corners have, from one part on, at places that have shares of each."""
     a, b, c, d = shares
+    first, second, third = blended
     sw, se, nw, ne = corners
     sw0, se0, nw0, ne0 = sw[part], se[part], nw[part], ne[part]
     sw1, se1, nw1, ne1 = sw[part + 1], se[part + 1], nw[part + 1], ne[part + 1]

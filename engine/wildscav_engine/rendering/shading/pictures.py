@@ -21,7 +21,6 @@ from wildscav_engine.rendering.shading.coarse_shading import (
 )
 from wildscav_engine.rendering.shading.color_arithmetic import Color, Vector
 from wildscav_engine.rendering.shading.ground import write_ground
-from wildscav_engine.rendering.shading.haze import add_haze, add_murk, write_colors, write_fog
 from wildscav_engine.rendering.shading.light.ambient_light import (
     write_ambient,
     write_places_off,
@@ -29,26 +28,26 @@ from wildscav_engine.rendering.shading.light.ambient_light import (
 )
 from wildscav_engine.rendering.shading.light.ambient_occlusion import Around, write_depths
 from wildscav_engine.rendering.shading.light.moving_shadows import Casters, find_casters
-from wildscav_engine.rendering.shading.light.shadows import write_shadows
-from wildscav_engine.rendering.shading.light.sunlight import DIRECT, SKY_COLOR, SUN_COLOR
+from wildscav_engine.rendering.shading.light.sunlight import DIRECT, SKY_COLOR, SUN_COLOR, write_shadows
 from wildscav_engine.rendering.shading.pixel_rows import (
     Channels,
-    Normals,
-    RayDirections,
     RowOfPixels,
     TextureScratch,
     TracedRow,
+    Vectors,
     View,
+    channels_in,
     footprint,
     point_along,
     row_in,
+    vector_at,
+    vectors_in,
     view_of,
-    way_of,
     write_directions,
 )
-from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, write_sky
+from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, add_haze, write_fog, write_sky
 from wildscav_engine.rendering.shading.surfaces import has_spots, textured, write_spotted
-from wildscav_engine.rendering.shading.water import lighten, write_bed, write_reflection
+from wildscav_engine.rendering.shading.water import add_murk, lighten, write_bed, write_reflection
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 from wildscav_engine.rendering.tracing.solids import Solids
 
@@ -70,12 +69,18 @@ class ShadedScene(NamedTuple):
     is_fast: bool  # whether colours are simpler, and neighbouring pixels share them
 
 
+class Rows(NamedTuple):
+    """Scratch buffers for an image and its rows."""
+
+    depths: NDArray[np.float32]  # (H, W) m
+    pixels: NDArray[np.float32]  # as of ``allocate_rows``
+    pieces: NDArray[np.int32]  # (W + 1,)
+
+
 class Canvas(NamedTuple):
     """Scratch buffers for shading an image."""
 
-    depths: NDArray[np.float32]  # (H, W) m
-    rows: NDArray[np.float32]  # as of ``allocate_rows``
-    pieces: NDArray[np.int32]  # (W + 1,)
+    rows: Rows
     chosen: Chosen  # in full pictures only with all columns
     around: Around
     texture: TextureScratch
@@ -102,7 +107,7 @@ def shade(
     if scene.shadows:
         find_casters(scene.moving, view.eye, scene.casters)
     if not scene.is_fast:
-        write_depths(hit.distance, cosines, canvas.depths)
+        write_depths(hit.distance, cosines, canvas.rows.depths)
         for column in range(view.width):
             canvas.chosen.column[column] = column
     is_under_water = water_at(scene.world, view.eye[0], view.eye[2]) > view.eye[1]
@@ -126,7 +131,7 @@ def shade(
         if scene.is_fast:
             spread_colors(pixels, canvas.chosen, image[number_of_row])
         else:
-            write_colors(pixels, image[number_of_row])
+            _write_colors(pixels, image[number_of_row])
 
 
 @inlined_kernel
@@ -136,17 +141,17 @@ def _row_of(
     """Return a row of an image, with its pieces and its rays: all, or the chosen ones."""
     chosen, own, line = canvas.chosen, cosines[number], _line_of(hit, number)
     if scene.is_fast and number & 1:
-        pieces, count = choose_unlike(line, _line_of(hit, number - 1), own, canvas.pieces, chosen)
+        pieces, count = choose_unlike(line, _line_of(hit, number - 1), own, canvas.rows.pieces, chosen)
     else:
-        pieces, count = find_pieces(line.solid, line.face, canvas.pieces), view.width
+        pieces, count = find_pieces(line.solid, line.face, canvas.rows.pieces), view.width
         if scene.is_fast:
-            count = choose_half(line, own, canvas.pieces, pieces, chosen)
+            count = choose_half(line, own, canvas.rows.pieces, pieces, chosen)
     if scene.is_fast:
         line = Hits(chosen.distance[:count], chosen.solid[:count], chosen.face[:count])
         own = chosen.cosine[:count]
-    pixels = row_in(canvas.rows, number, count)
+    pixels = row_in(canvas.rows.pixels, number, count)
     write_directions(view, number, chosen.column[:count], own, pixels.ways)
-    return TracedRow(view, hit, number, line, canvas.pieces, pieces, pixels)
+    return TracedRow(view, hit, number, line, canvas.rows.pieces, pieces, pixels)
 
 
 @inlined_kernel
@@ -182,7 +187,7 @@ def _write_plain(color: Color, normal: Vector, first: int, last: int, pixels: Ro
 
 
 @inlined_kernel
-def _fill(rows: Channels | Normals, values: Vector, first: int, last: int) -> None:
+def _fill(rows: Channels | Vectors, values: Vector, first: int, last: int) -> None:
     """Write one value into each of three rows."""
     for part in range(3):
         rows[part][first:last] = values[part]
@@ -210,15 +215,12 @@ def _write_solid(
     axis, ways, color = (axes[solid, 0], 0.0, axes[solid, 1]), pixels.ways, pixels.color
     _fill(pixels.normal, normal, first, last)
     if has_spots(kind, normal):
-        some = RayDirections(ways.east[first:last], ways.up[first:last], ways.north[first:last])
-        shown = Channels(color.red[first:last], color.green[first:last], color.blue[first:last])
-        own = pixels.normal
-        facing = Normals(own.east[first:last], own.up[first:last], own.north[first:last])
+        some, facing = vectors_in(ways, first, last), vectors_in(pixels.normal, first, last)
+        shown = channels_in(color, first, last)
         write_spotted(kind, base, facing, view, some, distances[first:last], scratch, shown)
         return
     for column in range(first, last):
-        direction = way_of(ways, column)
-        distance = float(distances[column])
+        direction, distance = vector_at(ways, column), float(distances[column])
         place = point_along(view.eye, direction, distance)
         pixel = footprint(view, direction, distance, normal)
         color.red[column], color.green[column], color.blue[column] = textured(
@@ -234,7 +236,7 @@ def _light_surfaces(scene: ShadedScene, row: TracedRow, canvas: Canvas) -> None:
     if scene.is_fast:
         write_skylight(pixels.normal, False, pixels.ambient)
     else:
-        write_ambient(scene.materials.upwards, scene.world, row, canvas.depths, canvas.around)
+        write_ambient(scene.materials.upwards, scene.world, row, canvas.rows.depths, canvas.around)
     _write_direct(pixels.normal, pixels.direct)
     if scene.shadows:
         to_sun, world, moving = scene.materials.to_sun, scene.world, scene.moving
@@ -249,7 +251,7 @@ def _light_surfaces(scene: ShadedScene, row: TracedRow, canvas: Canvas) -> None:
 
 
 @inlined_kernel
-def _write_direct(normal: Normals, direct: NDArray[np.float32]) -> None:
+def _write_direct(normal: Vectors, direct: NDArray[np.float32]) -> None:
     """Write the sun's light on the surfaces of a row, as if nothing stood between."""
     east, up, north = np.float32(SUN_DIRECTION[0]), np.float32(SUN_DIRECTION[1]), np.float32(SUN_DIRECTION[2])
     for column in range(direct.shape[0]):
@@ -272,8 +274,7 @@ def _write_sky(clouds: NDArray[np.float32], row: TracedRow, scratch: TextureScra
     for piece in range(row.piece_count):
         first, last = row.pieces[piece], row.pieces[piece + 1]
         if row.line.solid[first] == NOTHING_HIT:
-            ways = RayDirections(own.east[first:last], own.up[first:last], own.north[first:last])
-            shown = Channels(color.red[first:last], color.green[first:last], color.blue[first:last])
+            ways, shown = vectors_in(own, first, last), channels_in(color, first, last)
             write_sky(ways, clouds, scratch, shown, fog[first:last])
 
 
@@ -284,6 +285,16 @@ def _write_reflections(clouds: NDArray[np.float32], row: TracedRow, scratch: Tex
         first, last = row.pieces[piece], row.pieces[piece + 1]
         if row.line.solid[first] == WATER_HIT:
             write_reflection(clouds, row, first, last, scratch)
+
+
+@inlined_kernel
+def _write_colors(pixels: RowOfPixels, colors: NDArray[np.uint8]) -> None:
+    """Write (W, 3) the colours of a row."""
+    red, green, blue = pixels.color
+    for column in range(colors.shape[0]):
+        colors[column, 0] = np.int32(red[column])
+        colors[column, 1] = np.int32(green[column])
+        colors[column, 2] = np.int32(blue[column])
 
 
 @disjoint_kernel

@@ -64,8 +64,8 @@ def footprint(view: View, direction: Vector, distance: float, normal: Vector) ->
     return view.detail * distance / max(LEAST_FACING, -dot(direction, normal))
 
 
-class RayDirections(NamedTuple):
-    """The unit vectors of the rays of one row of pixels, (W,) each."""
+class Vectors(NamedTuple):
+    """A vector for each pixel of a row, (W,) each: a unit vector, or a place in m."""
 
     east: NDArray[np.float32]
     up: NDArray[np.float32]
@@ -73,8 +73,20 @@ class RayDirections(NamedTuple):
 
 
 @inlined_kernel
+def vector_at(vectors: Vectors, column: int) -> Vector:
+    """Return one of the vectors of a row."""
+    return float(vectors.east[column]), float(vectors.up[column]), float(vectors.north[column])
+
+
+@inlined_kernel
+def vectors_in(vectors: Vectors, first: int, last: int) -> Vectors:
+    """Return the vectors of the columns from ``first`` to before ``last``."""
+    return Vectors(vectors.east[first:last], vectors.up[first:last], vectors.north[first:last])
+
+
+@inlined_kernel
 def write_directions(
-    view: View, row: int, columns: NDArray[np.int32], cosines: NDArray[np.float32], ways: RayDirections
+    view: View, row: int, columns: NDArray[np.int32], cosines: NDArray[np.float32], ways: Vectors
 ) -> None:
     """Write the rays of some columns of a row, given the cosines of their angles to the view axis."""
     above = view.top - row * view.pixel
@@ -87,12 +99,6 @@ def write_directions(
         ways.east[column] = (sin_yaw * level + cos_yaw * right) * cosines[column]
         ways.up[column] = rise * cosines[column]
         ways.north[column] = (cos_yaw * level - sin_yaw * right) * cosines[column]
-
-
-@inlined_kernel
-def way_of(ways: RayDirections, column: int) -> Vector:
-    """Return the unit vector of one ray of a row."""
-    return float(ways.east[column]), float(ways.up[column]), float(ways.north[column])
 
 
 @kernel
@@ -113,12 +119,10 @@ class Channels(NamedTuple):
     blue: NDArray[np.float32]
 
 
-class Normals(NamedTuple):
-    """The unit normals of the surfaces of a row, (W,) each."""
-
-    east: NDArray[np.float32]
-    up: NDArray[np.float32]
-    north: NDArray[np.float32]
+@inlined_kernel
+def channels_in(channels: Channels, first: int, last: int) -> Channels:
+    """Return the colours of the columns from ``first`` to before ``last``."""
+    return Channels(channels.red[first:last], channels.green[first:last], channels.blue[first:last])
 
 
 class Tilts(NamedTuple):
@@ -129,22 +133,14 @@ class Tilts(NamedTuple):
     facing: NDArray[np.float32]  # m of a plane from the eye per m along the view axis
 
 
-class Places(NamedTuple):
-    """Where rays to the light start, slightly off the surfaces of a row, (W,) m each."""
-
-    x: NDArray[np.float32]
-    y: NDArray[np.float32]
-    z: NDArray[np.float32]
-
-
 class RowOfPixels(NamedTuple):
     """What is computed for one row of pixels, (W,) each."""
 
-    ways: RayDirections
+    ways: Vectors  # unit vectors of the rays
     color: Channels  # of the surfaces, first without light, then without haze
-    normal: Normals
+    normal: Vectors  # unit normals of the surfaces
     tilt: Tilts
-    place: Places
+    place: Vectors  # m, where rays to the light start, slightly off the surfaces
     unoccluded: NDArray[np.float32]  # share of the light from the sky that nearby surfaces leave
     unoccluded_above: NDArray[np.float32]  # the same in the row above
     ambient: NDArray[np.float32]  # light on surfaces from the sky
@@ -175,11 +171,11 @@ def row_in(space: NDArray[np.float32], row: int, count: int) -> RowOfPixels:
     """Return the arrays of so many pixels of a row."""
     this, above = UNOCCLUDED + (row & 1), UNOCCLUDED + 1 - (row & 1)
     return RowOfPixels(
-        RayDirections(space[0, :count], space[1, :count], space[2, :count]),
+        Vectors(space[0, :count], space[1, :count], space[2, :count]),
         Channels(space[COLOR, :count], space[COLOR + 1, :count], space[COLOR + 2, :count]),
-        Normals(space[NORMAL, :count], space[NORMAL + 1, :count], space[NORMAL + 2, :count]),
+        Vectors(space[NORMAL, :count], space[NORMAL + 1, :count], space[NORMAL + 2, :count]),
         Tilts(space[TILT, :count], space[TILT + 1, :count], space[TILT + 2, :count]),
-        Places(space[PLACE, :count], space[PLACE + 1, :count], space[PLACE + 2, :count]),
+        Vectors(space[PLACE, :count], space[PLACE + 1, :count], space[PLACE + 2, :count]),
         space[this, :count],
         space[above, :count],
         space[OTHERS, :count],
@@ -213,30 +209,8 @@ def allocate_texture_scratch() -> TextureScratch:
     return TextureScratch(*floats, *np.zeros((len(TextureScratch._fields) - FLOATS, AT_ONCE), np.int32))
 
 
-@inlined_kernel
-def texture_scratch_in(floats: NDArray[np.float32], integers: NDArray[np.int32]) -> TextureScratch:
-    """Return the buffers in (FLOATS, AT_ONCE) and (4, AT_ONCE) numbers."""
-    return TextureScratch(
-        floats[0],
-        floats[1],
-        floats[2],
-        floats[3],
-        floats[4],
-        floats[5],
-        floats[6],
-        floats[7],
-        floats[8],
-        integers[0],
-        integers[1],
-        integers[2],
-        integers[3],
-    )
-
-
 @disjoint_kernel
-def write_places(
-    view: View, ways: RayDirections, distances: NDArray[np.float32], scratch: TextureScratch
-) -> None:
+def write_places(view: View, ways: Vectors, distances: NDArray[np.float32], scratch: TextureScratch) -> None:
     """Write where the pixels of a piece of a row show something."""
     x, y, z = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
     for column in range(distances.shape[0]):
@@ -247,7 +221,7 @@ def write_places(
 
 @disjoint_kernel
 def write_footprints(
-    view: View, ways: RayDirections, distances: NDArray[np.float32], normal: Normals, scratch: TextureScratch
+    view: View, ways: Vectors, distances: NDArray[np.float32], normal: Vectors, scratch: TextureScratch
 ) -> None:
     """Write the sizes of pixels on surfaces with these normals, as ``footprint`` does."""
     pixel = np.float32(view.detail)

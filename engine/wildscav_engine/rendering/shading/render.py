@@ -4,28 +4,28 @@ One kernel renders the pictures of many cameras on many maps, because every call
 other threads that are in Python.
 """
 
-from typing import Any, NamedTuple
+from itertools import accumulate
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
-from wildscav_engine.compilation.tables.array_tables import Addresses, ArrayTable, reader
+from wildscav_engine.compilation.tables.array_tables import Addresses, ArrayTable, addresses_of, reader
 from wildscav_engine.parallel.turns import ALONE, Turns
 from wildscav_engine.rendering.cameras import TAKEN_ALREADY, Cameras, are_finite, item_at
 from wildscav_engine.rendering.dynamic_objects import ObjectSets, solids_between
 from wildscav_engine.rendering.hits import Hits, write_hits
 from wildscav_engine.rendering.shading.appearance import Appearance, Appearances, materials_in, world_in
-from wildscav_engine.rendering.shading.coarse_shading import chosen_in
-from wildscav_engine.rendering.shading.light.ambient_occlusion import LOOKED_AT, around_in
+from wildscav_engine.rendering.shading.coarse_shading import Chosen
+from wildscav_engine.rendering.shading.light.ambient_occlusion import LOOKED_AT, Around
 from wildscav_engine.rendering.shading.light.moving_shadows import allocate_casters
-from wildscav_engine.rendering.shading.pictures import Canvas, ShadedScene, shade
+from wildscav_engine.rendering.shading.pictures import Canvas, Rows, ShadedScene, shade
 from wildscav_engine.rendering.shading.pixel_rows import (
-    FLOATS,
+    TextureScratch,
     allocate_rows,
     allocate_texture_scratch,
     cosines_of,
-    texture_scratch_in,
 )
 from wildscav_engine.rendering.trace import Scene, Scenes, flatten_views, objects_in, read_views, trace_view
 from wildscav_engine.rendering.tracing.workspace import LatestOfThread, Size
@@ -48,12 +48,12 @@ def render_pictures(
     """Write pictures, (N, H, W, 3) red, green, blue; for the rest, see ``images.trace_images``."""
     _, height, width, _ = images.shape
     size = Size(height, width, cameras.half_width, objects.most_faces)
-    scratch = _scratch_for(height, width)
+    _, scratch = _scratch_for(height, width)
     return _render(
         appearances.tables,
         _casters_for(objects.most).addresses,
         cosines_of(cameras.half_width, height, width),
-        scratch.addresses,
+        scratch,
         shadows,
         is_fast,
         images,
@@ -61,49 +61,37 @@ def render_pictures(
     )
 
 
-class Scratch(NamedTuple):
-    """Buffers for one picture: what its rays hit, then a ``Canvas``."""
-
-    distance: NDArray[np.float32]
-    solid: NDArray[np.int32]
-    face: NDArray[np.int32]
-    depths: NDArray[np.float32]
-    rows: NDArray[np.float32]
-    pieces: NDArray[np.int32]
-    around: NDArray[np.float32]  # the buffers of ``Around``
-    floats: NDArray[np.float32]  # the buffers of ``TextureScratch``
-    integers: NDArray[np.int32]
-    chosen_integers: NDArray[np.int32]  # the buffers of ``Chosen``
-    chosen_floats: NDArray[np.float32]
+Scratch = tuple[Hits, Rows, Chosen, Around, TextureScratch]
 
 
 def _allocate(height: int, width: int) -> Scratch:
+    """Return buffers for what the rays of one picture hit, and for its ``Canvas``."""
     shape = height, width
-    texture = allocate_texture_scratch()
-    return Scratch(
-        np.empty(shape, np.float32),
-        np.empty(shape, np.int32),
-        np.empty(shape, np.int32),
-        np.empty(shape, np.float32),
-        allocate_rows(width),
-        np.empty(width + 1, np.int32),
-        np.empty((4, LOOKED_AT), np.float32),
-        np.stack(texture[:FLOATS]),
-        np.stack(texture[FLOATS:]),
-        np.empty((4, width), np.int32),
-        np.empty((2, width), np.float32),
+    return (
+        Hits(np.empty(shape, np.float32), np.empty(shape, np.int32), np.empty(shape, np.int32)),
+        Rows(np.empty(shape, np.float32), allocate_rows(width), np.empty(width + 1, np.int32)),
+        Chosen(*np.empty((4, width), np.int32), *np.empty((2, width), np.float32)),
+        Around(*np.empty((4, LOOKED_AT), np.float32)),
+        allocate_texture_scratch(),
     )
 
 
-_read_scratch, _read_casters = reader(_allocate(1, 1)), reader(allocate_casters(1))
+_SMALLEST = _allocate(1, 1)
+_read_hits, _read_rows, _read_chosen, _read_around, _read_texture = map(reader, _SMALLEST)
+# The rows of the table of a ``Scratch`` where its later parts begin.
+ROWS, CHOSEN, AROUND, TEXTURE = accumulate(map(len, _SMALLEST[:-1]))
+_read_casters = reader(allocate_casters(1))
 _latest_scratch, _latest_casters = LatestOfThread(1), LatestOfThread(1)
 
 
-def _scratch_for(height: int, width: int) -> ArrayTable:
-    """Return the buffers for a picture."""
-    if height * width > MAX_KEPT:
-        return ArrayTable(_allocate(height, width))
-    return _latest_scratch.get((height, width), lambda: ArrayTable(_allocate(height, width)))
+def _scratch_for(height: int, width: int) -> tuple[Scratch, Addresses]:
+    """Return the buffers for a picture, and the table of their addresses."""
+
+    def make() -> tuple[Scratch, Addresses]:
+        parts = _allocate(height, width)
+        return parts, np.concatenate([addresses_of(part) for part in parts])
+
+    return make() if height * width > MAX_KEPT else _latest_scratch.get((height, width), make)
 
 
 def _casters_for(count: int) -> ArrayTable:
@@ -128,11 +116,13 @@ def _render(
     cameras, objects = seen.cameras, seen.matches.objects
     if not are_finite(cameras.eyes, cameras.yaws, cameras.pitches):
         return False
-    buffers = _read_scratch(scratch)
-    hit = Hits(buffers.distance, buffers.solid, buffers.face)
-    around, texture = around_in(buffers.around), texture_scratch_in(buffers.floats, buffers.integers)
-    chosen = chosen_in(buffers.chosen_integers, buffers.chosen_floats)
-    canvas = Canvas(buffers.depths, buffers.rows, buffers.pieces, chosen, around, texture)
+    hit, rows, chosen = (
+        _read_hits(scratch[:ROWS]),
+        _read_rows(scratch[ROWS:CHOSEN]),
+        _read_chosen(scratch[CHOSEN:AROUND]),
+    )
+    around, texture = _read_around(scratch[AROUND:TEXTURE]), _read_texture(scratch[TEXTURE:])
+    canvas = Canvas(rows, chosen, around, texture)
     count, height, width = images.shape[:3]
     for turn in range(count):
         image = item_at(seen.turns, turn)

@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.rendering.palette import SUN
 from wildscav_engine.rendering.shading.noise import endless_noise
-from wildscav_engine.rendering.shading.pixel_rows import AT_ONCE, Channels, RayDirections, TextureScratch
+from wildscav_engine.rendering.shading.pixel_rows import (
+    AT_ONCE,
+    Channels,
+    RowOfPixels,
+    TextureScratch,
+    Vectors,
+    vectors_in,
+)
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 ZENITH, HORIZON = (84.0, 138.0, 206.0), (200.0, 217.0, 232.0)
@@ -32,7 +39,8 @@ CLOUDS_REACH = 10.0  # greatest coordinate of a cloud, on that plane
 CLOUDS_STEP = 0.0625  # between two numbers of the clouds' map
 DISC, GLOW = 0.9994, 0.97  # cosines of the angles from the sun's centre where its disc and its glow end
 GLOW_STRENGTH = 0.7  # next to the disc
-NONE, ONE, LEAST = np.float32(0.0), np.float32(1.0), np.float32(1e-6)
+NONE, HALF, ONE, MOST = np.float32(0.0), np.float32(0.5), np.float32(1.0), np.float32(255.0)
+LEAST = np.float32(1e-6)
 WIDTH, FROM, FLAT = np.float32(CLOUDS_WIDTH), np.float32(CLOUDS_FROM), np.float32(FLATTENED)
 REACH, PER_STEP, INTO = np.float32(CLOUDS_REACH), np.float32(1.0 / CLOUDS_STEP), np.float32(INTO_CLOUDS)
 GLOW_32, PER_GLOW, DISC_32 = np.float32(GLOW), np.float32(1.0 / (1.0 - GLOW)), np.float32(DISC)
@@ -80,8 +88,47 @@ def haze(channel: int, up: np.float32, level: np.float32) -> np.float32:
 
 
 @inlined_kernel
+def write_fog(distances: NDArray[np.float32], far: float, fog: NDArray[np.float32]) -> None:
+    """Write the shares of the haze, given m along the rays of a row; they are 1 beyond ``far``."""
+    nearness = np.float32(1.0 / far)
+    for column in range(fog.shape[0]):
+        part = min(ONE, distances[column] * nearness)
+        fog[column] = part * part
+
+
+@inlined_kernel
+def add_haze(pixels: RowOfPixels) -> None:
+    """Blend the colours of a row with the haze of the open air."""
+    up, level = pixels.ways.up, pixels.level
+    for column in range(level.shape[0]):
+        level[column] = levelness(up[column])
+    _blend_haze(pixels.color.red, level, up, pixels.fog, 0)
+    _blend_haze(pixels.color.green, level, up, pixels.fog, 1)
+    _blend_haze(pixels.color.blue, level, up, pixels.fog, 2)
+
+
+@inlined_kernel
+def _blend_haze(
+    own: NDArray[np.float32],
+    level: NDArray[np.float32],
+    up: NDArray[np.float32],
+    fog: NDArray[np.float32],
+    channel: int,
+) -> None:
+    """Blend one channel of a row with the haze in each direction."""
+    for column in range(own.shape[0]):
+        own[column] = blended(own[column], haze(channel, up[column], level[column]), fog[column])
+
+
+@inlined_kernel
+def blended(own: np.float32, other: np.float32, share: np.float32) -> np.float32:
+    """Return the blend of two brightnesses, by the share of the other, to be rounded down, 0-255."""
+    return min(MOST, max(NONE, own + (other - own) * share + HALF))
+
+
+@inlined_kernel
 def write_sky(
-    ways: RayDirections,
+    ways: Vectors,
     clouds: NDArray[np.float32],
     scratch: TextureScratch,
     shown: Channels,
@@ -90,7 +137,7 @@ def write_sky(
     """Write what is before the clear sky, and how much of the haze is seen, in a piece of a row."""
     for start in range(0, fog.shape[0], AT_ONCE):
         end = min(fog.shape[0], start + AT_ONCE)
-        some = RayDirections(ways.east[start:end], ways.up[start:end], ways.north[start:end])
+        some = vectors_in(ways, start, end)
         _place_in_clouds(some, np.float32(clouds.shape[0] - 2), scratch)
         for column in range(end - start):
             row, first = nonnegative(scratch.row[column]), nonnegative(scratch.column[column])
@@ -105,7 +152,7 @@ def write_sky(
 
 
 @disjoint_kernel
-def _place_in_clouds(ways: RayDirections, last: np.float32, scratch: TextureScratch) -> None:
+def _place_in_clouds(ways: Vectors, last: np.float32, scratch: TextureScratch) -> None:
     """Write where rays meet the clouds, and how much of these is seen there: less towards the horizon."""
     for column in range(ways.up.shape[0]):
         up = ways.up[column]
@@ -118,7 +165,7 @@ def _place_in_clouds(ways: RayDirections, last: np.float32, scratch: TextureScra
 
 
 @disjoint_kernel
-def _write_glow(ways: RayDirections, scratch: TextureScratch, fog: NDArray[np.float32]) -> None:
+def _write_glow(ways: Vectors, scratch: TextureScratch, fog: NDArray[np.float32]) -> None:
     """Write the shares of the haze, and of the sun in what is before it."""
     for column in range(fog.shape[0]):
         to_sun = ways.east[column] * SUN_EAST + ways.up[column] * SUN_UP + ways.north[column] * SUN_NORTH

@@ -27,10 +27,10 @@ from wildscav_engine.rendering.shading.noise import (
 from wildscav_engine.rendering.shading.pixel_rows import (
     AT_ONCE,
     Channels,
-    Normals,
-    RayDirections,
     TextureScratch,
+    Vectors,
     View,
+    vectors_in,
     write_footprints,
     write_places,
 )
@@ -130,9 +130,9 @@ def has_spots(kind: int, normal: Vector) -> bool:
 def write_spotted(
     kind: int,
     color: Color,
-    normal: Normals,
+    normal: Vectors,
     view: View,
-    ways: RayDirections,
+    ways: Vectors,
     distances: NDArray[np.float32],
     scratch: TextureScratch,
     shown: Channels,
@@ -148,10 +148,9 @@ def write_spotted(
     level = np.sqrt(to_east * to_east + to_north * to_north)
     for start in range(0, distances.shape[0], AT_ONCE):
         end = min(distances.shape[0], start + AT_ONCE)
-        some = RayDirections(ways.east[start:end], ways.up[start:end], ways.north[start:end])
+        some, facing = vectors_in(ways, start, end), vectors_in(normal, start, end)
         even = -(-(end - start) // TOGETHER) * TOGETHER
         write_places(view, some, distances[start:end], scratch)
-        facing = Normals(normal.east[start:end], normal.up[start:end], normal.north[start:end])
         write_footprints(view, some, distances[start:end], facing, scratch)
         if kind == WALL and level >= STEEP:
             _write_courses(even, to_north / level, to_east / level, scratch)

@@ -13,15 +13,17 @@ from wildscav_engine.rendering.shading.noise import noise, sharpness
 from wildscav_engine.rendering.shading.pixel_rows import (
     AT_ONCE,
     Channels,
-    RayDirections,
+    RowOfPixels,
     TextureScratch,
     TracedRow,
+    Vectors,
     View,
     footprint,
     point_along,
-    way_of,
+    vector_at,
+    vectors_in,
 )
-from wildscav_engine.rendering.shading.sky import SUN_DIRECTION, haze, levelness, write_sky
+from wildscav_engine.rendering.shading.sky import ONE, SUN_DIRECTION, blended, haze, levelness, write_sky
 
 DEEP = (26.0, 84.0, 132.0)
 DEEP_WATER = (np.float32(DEEP[0]), np.float32(DEEP[1]), np.float32(DEEP[2]))
@@ -30,6 +32,7 @@ UP = (0.0, 1.0, 0.0)
 WAVES = 0.9  # m from one ripple to the next
 STEEPNESS = 0.16  # of ripples
 MURK = 9.0  # m, the range of sight under water
+MURKINESS = np.float32(1.0 / MURK)
 LIT, IN_SHADOW = np.float32(0.4), np.float32(0.6 * DIRECT * SUN_DIRECTION[1])  # water in a shadow keeps 60 %
 
 
@@ -47,13 +50,24 @@ def write_bed(
     write_ground(world, ground, row, first, last, is_fast, scratch)
     pixels, distances = row.pixels, row.line.distance
     for column in range(first, last):
-        place = point_along(row.camera.eye, way_of(pixels.ways, column), float(distances[column]))
+        place = point_along(row.camera.eye, vector_at(pixels.ways, column), float(distances[column]))
         depth = max(0.0, place[1] - ground_at(world, place[0], place[2]).height)
         clear = np.float32(CLEAR / (CLEAR + depth))
         for channel in range(3):
             color, deep = pixels.color[channel], DEEP_WATER[channel]
             color[column] = deep + (color[column] - deep) * clear * clear
             pixels.normal[channel][column] = UP[channel]
+
+
+@inlined_kernel
+def add_murk(distances: NDArray[np.float32], pixels: RowOfPixels) -> None:
+    """Blend the colours of a row with the murk under water."""
+    red, green, blue = pixels.color
+    for column in range(red.shape[0]):
+        share = min(ONE, distances[column] * MURKINESS)
+        red[column] = blended(red[column], DEEP_WATER[0], share)
+        green[column] = blended(green[column], DEEP_WATER[1], share)
+        blue[column] = blended(blue[column], DEEP_WATER[2], share)
 
 
 @inlined_kernel
@@ -75,11 +89,9 @@ def write_reflection(
     for start in range(first, last, AT_ONCE):
         end = min(last, start + AT_ONCE)
         count = end - start
-        ways = RayDirections(
-            pixels.ways.east[start:end], pixels.ways.up[start:end], pixels.ways.north[start:end]
-        )
-        mirrored = RayDirections(scratch.x[:count], scratch.y[:count], scratch.z[:count])
-        sky = Channels(place.x[start:end], place.y[start:end], place.z[start:end])
+        ways = vectors_in(pixels.ways, start, end)
+        mirrored = Vectors(scratch.x[:count], scratch.y[:count], scratch.z[:count])
+        sky = Channels(place.east[start:end], place.up[start:end], place.north[start:end])
         share, fog = pixels.ambient[start:end], pixels.direct[start:end]
         _mirror(row.camera, ways, row.line.distance[start:end], mirrored, share)
         write_sky(mirrored, clouds, scratch, sky, fog)
@@ -91,9 +103,9 @@ def write_reflection(
 @inlined_kernel
 def _mirror(
     view: View,
-    ways: RayDirections,
+    ways: Vectors,
     distances: NDArray[np.float32],
-    mirrored: RayDirections,
+    mirrored: Vectors,
     share: NDArray[np.float32],
 ) -> None:
     """Write where rays go that ripples reflect, and the shares of their light.
@@ -101,7 +113,7 @@ def _mirror(
     Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Eurographics 1994.
     """
     for column in range(share.shape[0]):
-        direction, distance = way_of(ways, column), float(distances[column])
+        direction, distance = vector_at(ways, column), float(distances[column])
         pixel = footprint(view, direction, distance, UP)
         normal = _rippled(point_along(view.eye, direction, distance), pixel)
         facing = min(1.0, max(0.0, -dot(direction, normal)))

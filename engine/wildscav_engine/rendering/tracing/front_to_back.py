@@ -94,13 +94,9 @@ def allocate_scratch(blocks: int, solids: int, most_faces: int) -> Scratch:
 def trace_moving_solids(
     moving: Shapes, others: int, camera: Camera, viewer: int, planes: NDArray[np.float64], buffer: HitBuffer
 ) -> None:
-    """Intersect the rays of an image with the moving solids.
+    """Intersect the rays of an image with the moving solids but those that the viewer owns.
 
-    Args:
-        moving: The moving solids; those that the viewer owns are left out.
-        others: Number of the world's solids, which are counted before these.
-        viewer: The owner of the solids that this camera does not see.
-        planes: A scratch buffer, see ``trace_solid``.
+    They are counted after ``others``, the solids of the world; ``planes`` is as in ``trace_solid``.
     """
     for solid in range(moving.obbs.shape[0]):
         box = moving.obbs[solid]
@@ -232,10 +228,8 @@ def _queue_blocks(
 def _ways(camera: Camera, ahead: float, above: float, right: float) -> tuple[bool, bool]:
     """Return whether any ray of a camera may go down along an axis of the map, and whether any may go up.
 
-    Args:
-        ahead: Component of the view axis along that axis; so above and right, per unit of tangent.
-        above: See ahead; before it is multiplied by the sine of the pitch.
-        right: See ahead; its sign does not count.
+    ``ahead`` is the component of the view axis along it. Per unit of tangent, rays differ from that by
+    ``above``, times the sine of the pitch, and by ``right``, whose sign does not count.
     """
     give = abs(above * camera.sin_pitch) * camera.half_height + abs(right) * camera.half_width
     return ahead - give < TOUCH, ahead + give > -TOUCH
@@ -250,13 +244,9 @@ def _note_shown(
     camera: Float32Camera,
     shown: NDArray[np.float32],
 ) -> None:
-    """Determine which blocks of a row may be visible.
+    """Write 1 for the blocks of a row that may be visible, else 0, given the height of the camera in m.
 
-    Args:
-        middles: (N,) m, heights of the blocks' middles.
-        radii: (N,) m, radii of their bounding spheres.
-        height: m, of the camera.
-        shown: (N,) written: 1 for the blocks that may be visible.
+    ``middles`` and ``radii`` are those in ``Blocks``; ``square`` is the first block.
     """
     side = np.float32(SIDE)
     east, north, y = (

@@ -50,6 +50,20 @@ class Camera(NamedTuple):
     margin_up: float  # rows by which everything is enlarged
 
 
+class Optics(NamedTuple):
+    """How a camera maps tangents to columns and rows; see ``Camera``."""
+
+    scale: float
+    curve: float
+    scale_up: float
+    spread: float
+    level: float
+    half_width: float
+    half_height: float
+    margin: float  # in addition to MARGIN, like the next
+    margin_up: float
+
+
 class Rectangle(NamedTuple):
     """A rectangle of pixels; empty unless ``left`` is less than ``right``."""
 
@@ -91,17 +105,24 @@ def lowest_bit(bits: int) -> int:
 
 
 @inlined_kernel
+def pinhole(half_width: float, width: int, height: int) -> Optics:
+    """Return the optics of a pinhole; see ``Cameras`` for its half width."""
+    scale = width / (2.0 * half_width)
+    half_height = half_width * height / width
+    return Optics(scale, 0.0, scale, 0.0, height * 0.5, half_width, half_height, 0.0, 0.0)
+
+
+@inlined_kernel
 def camera_at(
     eye: NDArray[np.float64],
     yaw: float,
     pitch: float,
-    half_width: float,
+    optics: Optics,
     width: int,
     height: int,
     far: float,
 ) -> Camera:
-    """Return the camera at an eye (3,) m, with angles in degrees; see ``Cameras`` for the half width."""
-    half_height = half_width * height / width
+    """Return the camera at an eye (3,) m, with angles in degrees."""
     return Camera(
         eye[0],
         eye[1],
@@ -110,20 +131,20 @@ def camera_at(
         cosine(yaw),
         sine(pitch),
         cosine(pitch),
-        width / (2.0 * half_width),
-        0.0,
-        width / (2.0 * half_width),
-        0.0,
-        height * 0.5,
+        optics.scale,
+        optics.curve,
+        optics.scale_up,
+        optics.spread,
+        optics.level,
         width,
         height,
-        half_width,
-        half_height,
-        np.sqrt(1.0 + half_width * half_width),
-        np.sqrt(1.0 + half_height * half_height),
+        optics.half_width,
+        optics.half_height,
+        np.sqrt(1.0 + optics.half_width * optics.half_width),
+        np.sqrt(1.0 + optics.half_height * optics.half_height),
         far,
-        MARGIN,
-        MARGIN,
+        MARGIN + optics.margin,
+        MARGIN + optics.margin_up,
     )
 
 

@@ -130,14 +130,9 @@ def aim_rays(buffer: HitBuffer, camera: Camera) -> None:
 def end_at_edges(
     buffer: HitBuffer, camera: Camera, west: float, south: float, width: float, height: float
 ) -> None:
-    """Clear hits beyond the edges of the map.
+    """Clear hits beyond the edges of the map, which the camera is on.
 
-    Args:
-        camera: The camera of the image; it is on the map.
-        west: m, x of the map's western edge.
-        south: m, z of its southern edge.
-        width: m from west to east.
-        height: m from south to north.
+    The map has its least x and z in the west and south, and a width and a height from there, all in m.
     """
     for ray in range(buffer.met.shape[0]):
         east, north = buffer.east[ray], buffer.north[ray]

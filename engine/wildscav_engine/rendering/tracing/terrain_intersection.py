@@ -139,9 +139,7 @@ def _project_corners(
 ) -> None:
     """Project the corners of a block onto the image, in a loop that vectorizes.
 
-    Args:
-        rises: (96,) m, heights of the corners above the lowest.
-        ground: m, height of the lowest corner above the camera.
+    Their heights (96,), m, are above the lowest, and ``ground`` is how far that is above the camera, m.
     """
     sin_yaw, cos_yaw = camera.sin_yaw, camera.cos_yaw
     sin_pitch, cos_pitch = camera.sin_pitch, camera.cos_pitch
@@ -200,9 +198,7 @@ def _show_near_cells(camera: Float32Camera, projection: NDArray[np.float32]) -> 
 def _shown_cells(rows: int, columns: int, projection: NDArray[np.float32]) -> int:
     """Return the cells that may be visible and are on the map, as the bits of one number, row after row.
 
-    Args:
-        rows: From the block's first row to the edge of the map.
-        columns: The same.
+    ``rows`` and ``columns`` count from the block's first ones to the edge of the map.
     """
     shown, on_map = 0, (1 << min(BLOCK, columns)) - 1
     for row in range(min(BLOCK, rows) - 1, -1, -1):

@@ -45,9 +45,7 @@ HUE_STEP = 0.6180339887498949  # of a turn, the golden ratio: no hue occurs twic
 def reading_colors(sensor: ImageSensor, reading: NDArray[Any]) -> Colors:
     """Return one reading of a sensor as an image; its dtype and shape tell what kind of reading it is.
 
-    Args:
-        sensor: The sensor.
-        reading: An array of the shape of its space: (H, W) distances or labels, (H, W, 3) colours or normals.
+    Distances and labels are (H, W), colours and normals (H, W, 3).
     """
     if reading.dtype == np.uint8 and reading.ndim == 3:
         return reading

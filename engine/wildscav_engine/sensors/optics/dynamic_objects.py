@@ -133,10 +133,8 @@ def objects_of_matches(state: State, room: ObjectSets | None = None) -> ObjectSe
 
     The parts are in the order of the matches, in each those of agents first.
 
-    Args:
-        state: The state of the matches.
-        room: Objects that nobody needs anymore. The new ones take their place if they fit in: the parts of
-            many boxes are megabytes, and fresh memory takes longer than writing them.
+    The new objects take the place of those in ``room``, which nobody needs anymore, if they fit in: the parts
+    of many boxes are megabytes, and fresh memory takes longer than writing them.
     """
     agents, supplies, matches = (table.addresses for table in state.tables)
     start = np.zeros(len(state.matches.frame) + 1, np.int64)
@@ -157,15 +155,19 @@ def _allocate(count: int) -> ObjectArrays:
     return ObjectArrays(*allocate_parts(count), *shapes, np.empty((count, 3)), np.empty(count, np.int32))
 
 
+@inlined_kernel
+def _shown_in(agents: Addresses, supplies: Addresses, match: int) -> tuple[Agents, Supplies]:
+    """Return the agents and the boxes of one match."""
+    bodies = agents_of(agents, match, agents[0, LENGTH])
+    return bodies, supplies_of(supplies, match, supplies[0, LENGTH])
+
+
 @kernel
 def _count_parts(agents: Addresses, supplies: Addresses, matches: Addresses, start: NDArray[np.int64]) -> int:
     """Write where the parts of each match start; return the number of the match that has most."""
     every, most = matches_at(matches), 0
     for match in range(start.shape[0] - 1):
-        bodies, boxes = (
-            agents_of(agents, match, agents[0, LENGTH]),
-            supplies_of(supplies, match, supplies[0, LENGTH]),
-        )
+        bodies, boxes = _shown_in(agents, supplies, match)
         count = 0
         for seat in range(bodies.present.shape[0]):
             if _is_shown(bodies, seat):
@@ -187,24 +189,11 @@ def _write_objects(
     body_colors: NDArray[np.float64],
     objects: Addresses,
 ) -> None:
-    """Write the parts of everything in all matches, given the tables of their state and of the parts.
-
-    Args:
-        agents: The table of the agents.
-        supplies: That of the boxes.
-        matches: That of the matches.
-        body: The parts of an agent.
-        crate: Those of a box.
-        body_colors: As of ``colors_of_bodies``.
-        objects: The table of the parts, which are written.
-    """
+    """Write the parts of everything in all matches, given the tables of their state and of the parts."""
     every, arrays, first = matches_at(matches), read_objects(objects), 0
     solids = solids_between(arrays, 0, arrays.kind.shape[0])
     for match in range(every.frame.shape[0]):
-        bodies, boxes = (
-            agents_of(agents, match, agents[0, LENGTH]),
-            supplies_of(supplies, match, supplies[0, LENGTH]),
-        )
+        bodies, boxes = _shown_in(agents, supplies, match)
         for seat in range(bodies.present.shape[0]):
             if _is_shown(bodies, seat):
                 place = bodies.position[seat]

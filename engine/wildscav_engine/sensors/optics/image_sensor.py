@@ -33,6 +33,7 @@ IMAGE_TIME = 2_500  # ns that an image takes in addition to its rays
 ARRAY = np.ndarray
 FLOAT = np.dtype(np.float64)
 MAX_SEAT = 2**31 - 1
+POSES = "positions", "yaws", "pitches"
 NO_VIEWER = -2  # a camera that sees all bodies
 NO_DYNAMIC_OBJECTS = as_dynamic_objects(gather_solids([]))
 FROM_SOLES = np.array([[-0.0, EYE_HEIGHT, -0.0]])  # (1, 3) m, to the eyes; adding -0.0 changes no bit
@@ -287,40 +288,26 @@ class ImageSensor(Sensor):
         """
         if threads < 1:
             raise ValueError(f"threads is {threads}, must be at least 1")
-        cameras = self._cameras(positions, yaws, pitches, viewers)
-        return self._render(game_map, cameras, NO_DYNAMIC_OBJECTS if moving is None else moving, threads)
-
-    def _render(
-        self, game_map: "GameMap", cameras: Cameras, moving: Solids, threads: int = 1
-    ) -> NDArray[Any]:
-        """Return the images of some cameras; see ``render``."""
+        cameras, objects = self._cameras(positions, yaws, pitches, viewers), moving or NO_DYNAMIC_OBJECTS
         images = np.empty((len(cameras.yaws), *self.shape), self.dtype)
         self.prepare(game_map)  # before the threads, which would all do it
 
         def render_part(part: slice) -> bool:
-            return self.render_into(game_map, moving, select_cameras(cameras, part), images[part])
+            return self.render_into(game_map, objects, select_cameras(cameras, part), images[part])
 
         if threads == 1:
-            is_finite = self.render_into(game_map, moving, cameras, images)
+            is_finite = self.render_into(game_map, objects, cameras, images)
         else:
             is_finite = share(render_part, len(images), threads, self.min_images_per_thread)
         if not is_finite:
-            _raise_not_finite(cameras.eyes, cameras.yaws, cameras.pitches)
+            _raise_not_finite(*cameras[:3])
         return images
 
     def _cameras(
         self, positions: ArrayLike, yaws: ArrayLike, pitches: ArrayLike, viewers: ArrayLike | None
     ) -> Cameras:
-        eyes: Any = positions
-        turns: Any = yaws
-        tilts: Any = pitches
-        if not are_ready(eyes, turns, tilts):
-            eyes, turns, tilts = (
-                _as_floats("positions", positions),
-                _as_floats("yaws", yaws),
-                _as_floats("pitches", pitches),
-            )
-            _check_shapes(eyes, turns, tilts)
+        poses: Any = positions, yaws, pitches
+        eyes, turns, tilts = poses if are_ready(*poses) else _checked(*poses)
         count = len(turns)
         seats = _no_viewers(count) if viewers is None else _seats_of(viewers, count)
         return Cameras(eyes, turns, tilts, seats, *self.lens)
@@ -387,34 +374,29 @@ def are_ready(eyes: Any, yaws: Any, pitches: Any) -> bool:
     )
 
 
-def _as_floats(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Return values as an array that kernels accept.
+def _checked(*poses: ArrayLike) -> list[NDArray[np.float64]]:
+    """Return positions, yaws and pitches as arrays that kernels accept: (N, 3), (N,) and (N,).
 
     Raises:
-        ValueError: They are not real numbers.
+        ValueError: They have other shapes or are not real numbers.
     """
-    array = np.asarray(values)
-    if array.dtype.kind not in "biuf":
-        raise ValueError(f"{name} are {array.dtype} of shape {array.shape}, must be real numbers")
-    return np.array(array, np.float64, order="C")
-
-
-def _check_shapes(eyes: NDArray[np.float64], yaws: NDArray[np.float64], pitches: NDArray[np.float64]) -> None:
-    """Check that three arrays are (N, 3), (N,) and (N,).
-
-    Raises:
-        ValueError: One is not.
-    """
-    if eyes.ndim != 2 or eyes.shape[1] != 3:
-        raise ValueError(f"positions are float64 of shape {eyes.shape}, must be of shape (N, 3)")
-    for name, values in (("yaws", yaws), ("pitches", pitches)):
-        if values.shape != (len(eyes),):
-            raise ValueError(f"{name} are float64 of shape {values.shape}, must be of shape ({len(eyes)},)")
+    arrays = []
+    for name, values in zip(POSES, poses, strict=True):
+        array = np.asarray(values)
+        if array.dtype.kind not in "biuf":
+            raise ValueError(f"{name} are {array.dtype} of shape {array.shape}, must be real numbers")
+        arrays.append(np.array(array, np.float64, order="C"))
+    if arrays[0].ndim != 2 or arrays[0].shape[1] != 3:
+        raise ValueError(f"positions are float64 of shape {arrays[0].shape}, must be of shape (N, 3)")
+    for name, array in zip(POSES[1:], arrays[1:], strict=True):
+        if array.shape != (count := len(arrays[0]),):
+            raise ValueError(f"{name} are float64 of shape {array.shape}, must be of shape ({count},)")
+    return arrays
 
 
 def _raise_not_finite(*arrays: NDArray[np.float64]) -> NoReturn:
     """Raise a ValueError that names the array with a number that is not finite."""
-    for name, values in zip(("positions", "yaws", "pitches"), arrays, strict=True):
+    for name, values in zip(POSES, arrays, strict=True):
         if not np.isfinite(values).all():
             raise ValueError(f"{name} hold {values[~np.isfinite(values)][0]}, must be finite")
     raise ValueError("positions, yaws and pitches are too large: sums of them are not finite")

@@ -36,9 +36,8 @@ LEGS = (52, 54, 60)
 BODY_COLORS = np.array(
     [LEGS, LEGS, (0, 0, 0), (40, 42, 46), (16, 18, 24), (34, 34, 38), (58, 56, 50)], np.float64
 )
-TEAM_SHARE = np.array(
-    [0.30, 0.30, 1.0, 0.75, 0.0, 0.0, 0.45]
-)  # weight of the team's colour in the colour of each part
+# The weight of the team's colour in the colour of each part.
+TEAM_SHARE = np.array([0.30, 0.30, 1.0, 0.75, 0.0, 0.0, 0.45])
 # A crate reaches a little into the ground, which may be sloped. Its band protrudes from its sides.
 CRATE = np.array(
     [
@@ -115,16 +114,10 @@ def write_object(
     solids: Solids,
     boxes: NDArray[np.float64],
 ) -> None:
-    """Write the parts of an object.
+    """Write the parts of an object of some ``Kind`` that stands at a place, m, with a yaw in degrees.
 
-    Args:
-        kind: The ``Kind`` of the object.
-        place: m, where it stands.
-        yaw: Degrees, its direction.
-        owner: The seat whose body it is, or NO_OWNER.
-        first: The index of the first part to write.
-        solids: The parts; P of them are written.
-        boxes: (S, 9) of the parts; see ``Shapes``.
+    They are the solids from index ``first`` on, with their boxes (S, 9), as in ``Shapes``. The owner is the
+    seat whose body it is, or NO_OWNER.
     """
     turn = (sine(yaw), cosine(yaw))
     for part in range(parts.boxes.shape[0]):

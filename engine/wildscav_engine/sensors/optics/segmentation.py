@@ -12,8 +12,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.rendering.images import Output
-from wildscav_engine.rendering.labels import FIRST_AGENT, FIRST_BOX, FIRST_SOLID
+from wildscav_engine.rendering.images import FIRST_AGENT, FIRST_BOX, FIRST_SOLID, Output
 from wildscav_engine.sensors.base import Sensor, sensor
 from wildscav_engine.sensors.optics.pinhole import TracedCamera
 

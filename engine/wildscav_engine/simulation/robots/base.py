@@ -86,11 +86,7 @@ class Robot(NamedTuple):
 def levels_of(name: str, title: str, act: Act, kind: int | None = None) -> tuple[Robot, ...]:
     """Return the three levels of a kind of robot; the normal level has the plain name.
 
-    Args:
-        name: The name of the kind.
-        title: What it does.
-        act: Its kernel.
-        kind: The number of one of ours; by default the number that follows from the name.
+    The number of one of ours is given; that of others follows from the name.
     """
     tens = kind_number(name) if kind is None else kind
     return tuple(
@@ -106,11 +102,7 @@ def kind_number(name: str) -> int:
 
 
 def check_robots(name: str, levels: Any) -> tuple[Robot, ...]:
-    """Return the levels of a kind of robot as an entry point names them.
-
-    Raises:
-        ValueError: They are not the levels of a kind.
-    """
+    """Return the levels of a kind of robot as an entry point names them; ValueError if they are none."""
     if not isinstance(levels, tuple) or not levels or not all(isinstance(one, Robot) for one in levels):
         raise ValueError("it is not what levels_of returns, a tuple of robots")
     if [robot.name for robot in levels] != [robot.name for robot in levels_of(name, "", levels[0].act)]:
@@ -185,27 +177,24 @@ def gather(now: Situation, action: NDArray[np.float32]) -> bool:
 def visit_hot_spot(now: Situation, action: NDArray[np.float32]) -> bool:
     """Walk to where the hot spot is or will soon be; return False if there is none or the robot is there."""
     place = hot_spot_at(now.matches, now.match, now.frame + HOT_SPOT_LEAD)
-    if place.number < 0:
-        return False
-    here = now.agents.position[now.seat]
-    dx, dz = place.x - here[0], place.z - here[2]
-    if np.sqrt(dx * dx + dz * dz) < HOT_SPOT_NEAR:
-        return False
-    go_to(now, place.x, place.z, action)
-    return True
+    return place.number >= 0 and _go_unless_near(now, place.x, place.z, HOT_SPOT_NEAR, action)
 
 
 @kernel
 def keep_safe(now: Situation, action: NDArray[np.float32]) -> bool:
     """Walk to the center of the safe zone; return False if the robot is well inside it."""
     zone = zone_at(now.matches, now.match, now.frame)
-    if zone.damage == 0.0:
-        return False
+    return zone.damage != 0.0 and _go_unless_near(now, zone.x, zone.z, zone.radius - SAFE_MARGIN, action)
+
+
+@kernel
+def _go_unless_near(now: Situation, x: float, z: float, near: float, action: NDArray[np.float32]) -> bool:
+    """Walk to a position; return False if it is nearer than so many m."""
     here = now.agents.position[now.seat]
-    dx, dz = zone.x - here[0], zone.z - here[2]
-    if np.sqrt(dx * dx + dz * dz) < zone.radius - SAFE_MARGIN:
+    dx, dz = x - here[0], z - here[2]
+    if np.sqrt(dx * dx + dz * dz) < near:
         return False
-    go_to(now, zone.x, zone.z, action)
+    go_to(now, x, z, action)
     return True
 
 

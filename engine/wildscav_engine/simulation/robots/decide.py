@@ -38,14 +38,7 @@ def _link(now: Situation, action: NDArray[np.float32]) -> None:
 
 
 def chain(kinds: Iterable[tuple[Robot, ...]]) -> Act:
-    """Return the kernel that lets the robot in a seat decide.
-
-    Args:
-        kinds: For each kind, its robots by level.
-
-    Raises:
-        ExtensionError: Two robots have the same name or number.
-    """
+    """Return the kernel that lets the robot in a seat decide, of the robots of each kind by level."""
     links = list(kinds)
     _check_distinct([robot for levels in links for robot in levels])
     decide: Act = _stand_still

@@ -9,8 +9,13 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import kernel
 from wildscav_engine.simulation.robots.base import Memory, Situation, go_to, keep_safe, levels_of, wander
-from wildscav_engine.simulation.robots.obstacles import feel_way_to, forget_obstacle
-from wildscav_engine.simulation.robots.search import Search, search, stop_search
+from wildscav_engine.simulation.robots.search import (
+    Search,
+    feel_way_to,
+    forget_obstacle,
+    search,
+    stop_search,
+)
 from wildscav_engine.specs.actions import Field
 
 LOST = 8.0  # detours around one obstacle after which it tries from elsewhere

@@ -30,17 +30,10 @@ ALL_PLACED = -1  # in place of the first seat without a start
 def draw_starts(
     spawns: NDArray[np.float64], seed: Word, is_placed: NDArray[np.bool_], starts: NDArray[np.float64]
 ) -> int:
-    """Draw the starts that are not given from a map's places, apart from each other.
+    """Draw the starts (A, 3) m that are not placed from a map's places (N, 3) m, apart from each other.
 
-    If no draw is far enough from the other starts, the start is the place farthest from them.
-
-    Args:
-        spawns: (N, 3) m, the map's places.
-        is_placed: (A,) which starts are given; becomes all True.
-        starts: (A, 3) m; the others are written.
-
-    Returns:
-        The first seat that would start inside another, or ALL_PLACED.
+    If no draw is far enough from the other starts, the start is the place farthest from them. All are placed
+    afterwards, unless a seat would start inside another: the first of these is returned, else ALL_PLACED.
     """
     for seat in range(starts.shape[0]):
         if is_placed[seat]:
@@ -120,21 +113,11 @@ def draw_starts_near(
     is_placed: NDArray[np.bool_],
     starts: NDArray[np.float64],
 ) -> int:
-    """Draw the starts that are not given around a target, as in the paper's navigation experiments.
+    """Draw the starts that are not placed around a target, as in the paper's navigation experiments.
 
-    A start lies in a random direction from the target at the distance ``reach`` + |N(0, spread)|, where a
+    A start lies in a random direction from the target at the distance ``reach`` + |N(0, spread)| m, where a
     body can stand and reach the target. If no draw succeeds, it is the nearest of the map's places beyond
-    ``reach`` that is apart from the other starts.
-
-    Args:
-        target: (3,) m.
-        reach: m, distance at which the target counts as reached.
-        spread: m, standard deviation.
-        is_placed: (A,) which starts are given; becomes all True.
-        starts: (A, 3) m; the others are written.
-
-    Returns:
-        The first seat that would start inside another, or ALL_PLACED.
+    ``reach`` that is apart from the other starts. Arrays and result are those of ``draw_starts``.
     """
     for seat in range(starts.shape[0]):
         if is_placed[seat]:
@@ -200,11 +183,7 @@ def _take_nearest(
     is_placed: NDArray[np.bool_],
     seat: int,
 ) -> bool:
-    """Write the place nearest to the target beyond ``reach`` m, ``distance`` m from all placed starts.
-
-    Returns:
-        Whether there is such a place.
-    """
+    """Write the place nearest to the target beyond ``reach`` m, ``distance`` m from all starts, if any."""
     best, nearest = -1, np.inf
     for place in range(spawns.shape[0]):
         dx, dz = spawns[place, 0] - target[0], spawns[place, 2] - target[2]

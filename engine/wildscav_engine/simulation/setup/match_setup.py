@@ -86,11 +86,7 @@ def room_for(setups: Sequence[Setup]) -> tuple[int, int, int, int]:
 
 
 def plan_match(spec: MatchSpec, game_map: GameMap) -> Setup:
-    """Decide the starts, the target, the supplies and the safe zone of a match.
-
-    Raises:
-        MatchSetupError: A start or target is outside the map, inside a solid, or disconnected from the map.
-    """
+    """Decide the starts, the target, the supplies and the safe zone of a match."""
     track = TRACKS[spec.track]
     starts, target = choose_starts(spec, game_map, has_target=track.has_target)
     config = track.supplies(spec)

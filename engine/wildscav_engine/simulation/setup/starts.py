@@ -51,12 +51,7 @@ _valid_places: WeakKeyDictionary[GameMap, dict[GivenPlace, NDArray[np.float64]]]
 def choose_starts(
     spec: MatchSpec, game_map: GameMap, *, has_target: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """Return (A, 3) m the starts of a match, and (3,) m its target or None.
-
-    Raises:
-        MatchSetupError: A start or target is outside the map, inside a solid, or disconnected from the rest
-            of the map; or the map has too little space for all starts.
-    """
+    """Return (A, 3) m the starts of a match, and (3,) m its target or None, or raise MatchSetupError."""
     starts, is_placed = _given_starts(spec, game_map)
     seed, spawns = np.uint64(spec.seed), game_map.world.spawns
     target = None
@@ -97,13 +92,7 @@ def _draw_target(game_map: GameMap, seed: np.uint64, start: NDArray[np.float64])
 
 
 def usable_place(game_map: GameMap, place: Position, reach: float | None) -> Position:
-    """Return a place if a spec may give it, otherwise the nearest of the map's places.
-
-    Args:
-        game_map: The map.
-        place: (x, y, z) in m.
-        reach: m, distance at which a target counts as reached; None for a start.
-    """
+    """Return a start, or a target with its reach in m, if a spec may give it, else the nearest place."""
     try:
         _checked(game_map, GivenPlace(place, "place", reach))
     except MatchSetupError:
@@ -114,11 +103,7 @@ def usable_place(game_map: GameMap, place: Position, reach: float | None) -> Pos
 
 
 def _given_starts(spec: MatchSpec, game_map: GameMap) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Return (A, 3) m the starts that the spec gives, and (A,) which seats have one.
-
-    Raises:
-        MatchSetupError: A start is invalid.
-    """
+    """Return (A, 3) m the starts that the spec gives, and (A,) which seats have one."""
     seats = len(spec.seats)
     starts, is_placed = np.zeros((seats, 3)), np.zeros(seats, np.bool_)
     if spec.start is None and spec.starts is None:
@@ -132,11 +117,7 @@ def _given_starts(spec: MatchSpec, game_map: GameMap) -> tuple[NDArray[np.float6
 
 
 def _checked(game_map: GameMap, given: GivenPlace) -> NDArray[np.float64]:
-    """Return (3,) m a place of the spec, put on the ground; valid places are cached for each map.
-
-    Raises:
-        MatchSetupError: The place is invalid.
-    """
+    """Return (3,) m a place of the spec, put on the ground; valid places are cached for each map."""
     valid = _valid_places.setdefault(game_map, {})
     if given not in valid:
         place = _standing_place(given, game_map)
@@ -151,9 +132,6 @@ def _standing_place(given: GivenPlace, game_map: GameMap) -> NDArray[np.float64]
     """Return (3,) m a place of the spec, lifted onto the ground or onto a floor just above it.
 
     Agents may start wherever a body can get, so no more space is required than a body needs.
-
-    Raises:
-        MatchSetupError: The place is outside the map, or inside a solid.
     """
     x, y, z = given.place
     limit = game_map.config.size / 2 - EDGE_MARGIN
@@ -182,9 +160,6 @@ def _check_connected(given: GivenPlace, game_map: GameMap, place: NDArray[np.flo
     """Refuse a start or a target that is disconnected from the rest of the map.
 
     Random places need no check, because all of the map's places can be reached from each other.
-
-    Raises:
-        MatchSetupError: There is no path away from the start, or to the target.
     """
     if given.reach is None:
         if not leads_out(game_map.graph, _come_to_rest(game_map.world, place)):

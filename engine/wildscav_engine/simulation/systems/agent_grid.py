@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import Squares, link, square_of, squares_around, squares_over
-from wildscav_engine.geometry.world import World
-from wildscav_engine.simulation.state import Agents, Matches, squares_for
+from wildscav_engine.simulation.state import Game, squares_for
 from wildscav_engine.specs.actions import MAX_WALK_SPEED
 from wildscav_engine.specs.body import BODY_RADIUS
 from wildscav_engine.specs.rules import FRAME
@@ -35,10 +34,10 @@ class AgentGrid(NamedTuple):
 
 
 @inlined_kernel
-def agent_grid_of(world: World, agents: Agents, matches: Matches, match: int) -> AgentGrid:
+def agent_grid_of(game: Game) -> AgentGrid:
     """Return the grid of a match."""
-    squares = squares_over(world, _squares_for(agents.health.shape[0]))
-    return AgentGrid(squares, matches.agent_squares[match], agents.next_in_square)
+    squares = squares_over(game.world, _squares_for(game.agents.health.shape[0]))
+    return AgentGrid(squares, game.matches.agent_squares[game.match], game.agents.next_in_square)
 
 
 @kernel
@@ -53,10 +52,10 @@ def _fill_grid(grid: AgentGrid, position: NDArray[np.float64], health: NDArray[n
 
 
 @inlined_kernel
-def index_agents(world: World, agents: Agents, matches: Matches, match: int) -> None:
+def index_agents(game: Game) -> None:
     """Rebuild the grid of a match; a single agent needs none."""
-    if agents.health.shape[0] > 1:
-        _fill_grid(agent_grid_of(world, agents, matches, match), agents.position, agents.health)
+    if game.agents.health.shape[0] > 1:
+        _fill_grid(agent_grid_of(game), game.agents.position, game.agents.health)
 
 
 @kernel
@@ -78,8 +77,8 @@ def gather_near(grid: AgentGrid, position: NDArray[np.float64], seat: int, near:
 
 
 @inlined_kernel
-def others_near(world: World, agents: Agents, matches: Matches, match: int, seat: int) -> int:
+def others_near(game: Game, seat: int) -> int:
     """Write the seats near an agent into ``agents.near``, and return their number."""
-    if agents.health.shape[0] == 1:
+    if game.agents.health.shape[0] == 1:
         return 0
-    return gather_near(agent_grid_of(world, agents, matches, match), agents.position, seat, agents.near)
+    return gather_near(agent_grid_of(game), game.agents.position, seat, game.agents.near)

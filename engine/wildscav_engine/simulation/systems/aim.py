@@ -46,17 +46,9 @@ def sway_of(agents: Agents, seat: int, action: NDArray[np.float32], rules: Rules
 def direction_of_shot(
     yaw: float, pitch: float, spread: float, seed: int, frame: int, seat: int
 ) -> tuple[float, float, float]:
-    """Return the unit vector of a shot: along the view, or off it at random.
+    """Return the unit vector of a shot along a view in degrees, or off it at random by ``spread`` at most.
 
     The shots of a still body fall evenly on a disc around the point that it aims at.
-
-    Args:
-        yaw: degrees, of the view.
-        pitch: degrees, of the view.
-        spread: degrees by which the shot is off at most.
-        seed: The seed of the match.
-        frame: The frame of the shot.
-        seat: The seat that shoots.
     """
     level = cosine(pitch)
     ahead = sine(yaw) * level, -sine(pitch), cosine(yaw) * level

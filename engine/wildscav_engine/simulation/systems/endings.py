@@ -1,9 +1,8 @@
 """The ends of a match: target reached, enough supplies, one team left, or time up."""
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
-from wildscav_engine.simulation.state import NOBODY, Agents, Ending, Matches
+from wildscav_engine.simulation.state import NOBODY, Agents, Ending, Game, Matches
 from wildscav_engine.simulation.systems.supplies import team_supplies
-from wildscav_engine.specs.rules import Rules
 
 TIME_UP, GOAL, LAST_STANDING = int(Ending.TIME_UP), int(Ending.GOAL), int(Ending.LAST_STANDING)
 
@@ -17,11 +16,12 @@ def end(matches: Matches, match: int, ending: int) -> None:
 
 
 @inlined_kernel
-def end_at_target(agents: Agents, matches: Matches, match: int, rules: Rules) -> None:
+def end_at_target(game: Game) -> None:
     """End the match when agents are at the target (3D distance from the soles). All of them have reached it.
 
     An agent that comes near a hidden target finds it for its whole team.
     """
+    agents, matches, match, rules = game.agents, game.matches, game.match, game.rules
     if not matches.has_target[match]:
         return
     target, reach = matches.target[match], rules.target_distance

@@ -38,16 +38,9 @@ class Place(NamedTuple):
 def plan_hot_spot(
     config: HotSpot, spawns: NDArray[np.float64], zone: NDArray[np.float64], seed: int
 ) -> NDArray[np.float64]:
-    """Draw the places of a hot spot.
+    """Draw (H, 3) the places of a hot spot, as in ``Matches.hot_spots``, from (N, 3) m on a map.
 
-    Args:
-        config: The hot spot.
-        spawns: (N, 3) m, the places to choose from.
-        zone: (Z, 9) the phases of the safe zone, as in ``Matches.zone``.
-        seed: The seed of the match.
-
-    Returns:
-        (H, 3) as in ``Matches.hot_spots``.
+    The phases of the safe zone are (Z, 9) as in ``Matches.zone``.
     """
     rows = np.zeros((config.places, COLUMNS))
     for number in range(config.places):
@@ -85,16 +78,10 @@ def draw_place(
 def choose_around(
     outdoor: NDArray[np.float64], x: float, z: float, radius: float, boxes: int, seed: Word, number: int
 ) -> NDArray[np.int64]:
-    """Return the outdoor locations that get a box at a place of the hot spot.
+    """Return (N,) the outdoor locations, of (O, 3) m, that get a box at a place of the hot spot, in m.
 
-    Args:
-        outdoor: (O, 3) m.
-        x: m, of the place.
-        z: m.
-        radius: m, standard deviation of the heat map.
-
-    Returns:
-        (N,) indices of different locations; fewer than ``boxes`` where there is too little open ground.
+    They differ. There are fewer than ``boxes`` where there is too little open ground. The radius is the
+    standard deviation of the heat map.
     """
     near, count, reach = np.empty(outdoor.shape[0], np.int64), 0, REACH * radius
     squared = np.empty(outdoor.shape[0])

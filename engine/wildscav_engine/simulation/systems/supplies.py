@@ -23,9 +23,8 @@ from wildscav_engine.geometry.linked_grid import (
 )
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.simulation.digest import digest_box
-from wildscav_engine.simulation.state import BOX_SQUARES, Agents, Matches, Supplies
+from wildscav_engine.simulation.state import BOX_SQUARES, Agents, Game, Matches, Supplies
 from wildscav_engine.specs.actions import Field
-from wildscav_engine.specs.rules import Rules
 
 BOX_SQUARE = 16.0  # m, minimum side of a square in the grid of boxes
 
@@ -41,18 +40,10 @@ def choose_outdoor(
     seed: Word,
     wave: int,
 ) -> NDArray[np.int64]:
-    """Return the outdoor locations that get a box in a wave.
+    """Return (N,) ascending, the outdoor locations, of (O, 3) m, that get a box in a wave.
 
-    Args:
-        outdoor: (O, 3) m.
-        spacing: m, of the grid; the first location in a grid square represents its grid point.
-        center_x: m, center of the heat map.
-        center_z: m.
-        radius: m, standard deviation of the heat map.
-        richness: Percent at the center.
-
-    Returns:
-        (N,) indices of locations, ascending.
+    The first location in a square of the grid represents its grid point. The spacing of the grid, the center
+    and the radius of the heat map are in m, and the richness is that at the center in percent.
     """
     lowest_x, lowest_z = np.floor(outdoor[:, 0].min() / spacing), np.floor(outdoor[:, 2].min() / spacing)
     columns = int(np.floor(outdoor[:, 0].max() / spacing) - lowest_x) + 1
@@ -98,15 +89,9 @@ def fill_boxes(
     quantity: NDArray[np.int32],
     appearance: NDArray[np.int32],
 ) -> None:
-    """Write boxes with random quantities into slots from ``first`` on.
+    """Write boxes at places (N, 3) m, with random quantities, into slots from ``first`` on.
 
-    Args:
-        places: (N, 3) m.
-        appears: The frame from which on they are present.
-        first: The slot of the first box.
-        position: (S, 3) m, written.
-        quantity: (S,) written.
-        appearance: (S,) written, the frame ``appears``.
+    They are present from the frame ``appears`` on.
     """
     for index in range(places.shape[0]):
         slot = first + index
@@ -154,22 +139,15 @@ def squared_distance_to_box(agents: Agents, supplies: Supplies, seat: int, slot:
 
 
 @kernel
-def nearest_box(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    heads: NDArray[np.int32],
-    seat: int,
-    frame: int,
-    reach: float,
-) -> int:
+def nearest_box(game: Game, seat: int) -> int:
     """Return the slot of the nearest box within reach (3D distance from the soles), or -1.
 
     Of boxes at the same distance, the one in the first slot is returned.
     """
-    squares = squares_of_boxes(world)
+    agents, supplies, reach = game.agents, game.supplies, game.rules.pick_up_distance
+    squares, heads = squares_of_boxes(game.world), game.matches.box_squares[game.match]
     around = squares_around(squares, agents.position[seat, 0], agents.position[seat, 2], reach)
-    best, nearest = -1, reach * reach
+    best, nearest, frame = -1, reach * reach, game.matches.frame[game.match]
     for row in range(around.south, around.north + 1):
         for column in range(around.west, around.east + 1):
             slot = heads[row * squares.side + column] - 1
@@ -183,67 +161,46 @@ def nearest_box(
 
 
 @inlined_kernel
-def pick_up(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    match: int,
-    actions: NDArray[np.float32],
-    rules: Rules,
-) -> None:
+def pick_up(game: Game, actions: NDArray[np.float32]) -> None:
     """Let each living agent that picks up take the nearest box in reach, in the order of the frame."""
-    if supplies.quantity.shape[0] == 0:
+    agents = game.agents
+    if game.supplies.quantity.shape[0] == 0:
         return
     for turn in range(agents.turns.shape[0]):
         seat = agents.turns[turn]
         if actions[seat, Field.PICK_UP] != 0.0 and agents.health[seat] > 0:
-            _take_nearest(world, agents, supplies, matches, match, seat, rules.pick_up_distance)
+            _take_nearest(game, seat)
 
 
 @kernel
-def _take_nearest(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    match: int,
-    seat: int,
-    reach: float,
-) -> None:
-    heads = matches.box_squares[match]
-    slot = nearest_box(world, agents, supplies, heads, seat, matches.frame[match], reach)
+def _take_nearest(game: Game, seat: int) -> None:
+    agents, supplies, matches, match = game.agents, game.supplies, game.matches, game.match
+    slot = nearest_box(game, seat)
     if slot < 0:
         return
     agents.supplies[seat] += supplies.quantity[slot]
     agents.picked_up[seat] += supplies.quantity[slot]
     agents.gained[seat] += supplies.quantity[slot]
     supplies.quantity[slot] = 0
-    unlink(heads, supplies.next_in_square, _square_of_box(squares_of_boxes(world), supplies, slot), slot)
+    square = _square_of_box(squares_of_boxes(game.world), supplies, slot)
+    unlink(matches.box_squares[match], supplies.next_in_square, square, slot)
     matches.digest[match] = digest_box(matches.digest[match], supplies, slot)
 
 
 @kernel
-def drop_supplies(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    match: int,
-    seat: int,
-    share: float,
-) -> None:
+def drop_supplies(game: Game, seat: int) -> None:
     """Drop a share of an agent's supplies, rounded down, at its position.
 
     If no slot is free, the agent keeps them, so that no supplies are lost.
     """
-    dropped = int(np.floor(agents.supplies[seat] * share))
+    agents, supplies, matches, match = game.agents, game.supplies, game.matches, game.match
+    dropped = int(np.floor(agents.supplies[seat] * game.rules.supply_loss))
     if dropped == 0:
         return
     for slot in range(supplies.quantity.shape[0] - 1, -1, -1):
         if supplies.quantity[slot] == 0:
             agents.supplies[seat] -= dropped
-            squares, heads = squares_of_boxes(world), matches.box_squares[match]
+            squares, heads = squares_of_boxes(game.world), matches.box_squares[match]
             # A box that a test emptied may still be listed.
             unlink(heads, supplies.next_in_square, _square_of_box(squares, supplies, slot), slot)
             supplies.quantity[slot] = dropped
@@ -259,12 +216,7 @@ def drop_supplies(
 
 @kernel
 def team_supplies(teams: NDArray[np.int32], supplies: NDArray[np.int32], team: int) -> int:
-    """Return the supplies that all seats of a team carry.
-
-    Args:
-        teams: (A,) the team of each seat of a match.
-        supplies: (A,) the supplies that each seat carries.
-    """
+    """Return the supplies that a team carries, by (A,) the teams and (A,) the supplies of seats."""
     total = 0
     for seat in range(teams.shape[0]):
         if teams[seat] == team:

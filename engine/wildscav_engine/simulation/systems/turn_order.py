@@ -12,13 +12,10 @@ from wildscav_engine.compilation.kernel import kernel
 
 @kernel
 def draw_turns(seed: Word, frame: int, order: NDArray[np.int32]) -> None:
-    """Write the order of the seats in a frame, which depends only on the seed and the frame.
+    """Write (A,) the order of the seats in a frame, which depends only on the seed and the frame.
 
     Durstenfeld, "Algorithm 235: Random permutation", 1964. A choice among n takes 32 random bits, so the
     probabilities of the orders of A seats differ by a relative amount of at most A² / 2³².
-
-    Args:
-        order: (A,) written.
     """
     seats = order.shape[0]
     for seat in range(seats):

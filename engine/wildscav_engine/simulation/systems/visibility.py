@@ -19,14 +19,14 @@ from wildscav_engine.simulation.state import (
     Count,
     Extent,
     Flag,
-    Matches,
+    Game,
     Supplies,
     allocate,
 )
-from wildscav_engine.simulation.systems.agent_grid import AgentGrid, agent_grid_of, index_agents
+from wildscav_engine.simulation.systems.agent_grid import agent_grid_of
 from wildscav_engine.simulation.systems.supplies import is_present, squared_distance_to_box, squares_of_boxes
 from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
-from wildscav_engine.specs.rules import Rules, Senses
+from wildscav_engine.specs.rules import Senses
 
 AGENT_LIMIT = 16  # agents in one observation
 SUPPLY_LIMIT = 32  # supply boxes in one observation
@@ -60,23 +60,9 @@ def allocate_seen(matches: int, seats: int) -> Seen:
 
 
 @kernel
-def find_seen(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    match: int,
-    seat: int,
-    rules: Rules,
-    seen: Seen,
-) -> None:
-    """Update what one agent of a match sees.
-
-    Args:
-        agents: The agents of the match, whose grid is up to date.
-        matches: All matches.
-        seen: The slices of the match; the rows of the seat are written.
-    """
+def find_seen(game: Game, seat: int, seen: Seen) -> None:
+    """Update the row of what one agent of a match sees; the grid of its agents is up to date."""
+    agents, rules = game.agents, game.rules
     seen.agent_count[seat] = 0
     seen.supply_count[seat] = 0
     seen.can_pick_up[seat] = False
@@ -90,29 +76,9 @@ def find_seen(
     # Robots have no eyes but these.
     has_lists = rules.senses != Senses.PIXELS or agents.robot[seat] != 0
     if agents.health.shape[0] > 1 and has_lists:
-        grid = agent_grid_of(world, agents, matches, match)
-        _see_agents(world, agents, grid, seat, rules.view_angle, seen)
-    if supplies.quantity.shape[0] > 0:
-        heads, frame = matches.box_squares[match], matches.frame[match]
-        _see_supplies(world, agents, supplies, heads, seat, frame, has_lists, rules, seen)
-
-
-@inlined_kernel
-def find_seen_in_match(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    matches: Matches,
-    match: int,
-    seats: NDArray[np.int64],
-    rules: Rules,
-    seen: Seen,
-) -> None:
-    """Update what some agents of a match see, of those that it has; see ``find_seen``."""
-    index_agents(world, agents, matches, match)
-    for place in range(seats.shape[0]):
-        if seats[place] < agents.health.shape[0]:
-            find_seen(world, agents, supplies, matches, match, seats[place], rules, seen)
+        _see_agents(game, seat, seen)
+    if game.supplies.quantity.shape[0] > 0:
+        _see_supplies(game, seat, has_lists, seen)
 
 
 class Cone(NamedTuple):
@@ -136,16 +102,15 @@ def _may_be_in_view(cone: Cone, x: float, z: float, reach: float) -> bool:
 
 
 @inlined_kernel
-def _see_agents(
-    world: World, agents: Agents, grid: AgentGrid, seat: int, view_angle: float, seen: Seen
-) -> None:
+def _see_agents(game: Game, seat: int, seen: Seen) -> None:
     """List the nearest agents in view, searching ring after ring of squares around an agent.
 
     The search stops when all agents in further rings are too far away to get into the list.
     """
+    agents, grid = game.agents, agent_grid_of(game)
     squares = grid.squares
     x, z, yaw = agents.position[seat, 0], agents.position[seat, 2], agents.yaw[seat]
-    cone = Cone(x, z, sine(yaw), cosine(yaw), cosine(view_angle * 0.5))
+    cone = Cone(x, z, sine(yaw), cosine(yaw), cosine(game.rules.view_angle * 0.5))
     middle_row, middle_column = row_of(squares, z), column_of(squares, x)
     half = 0.5 * (squares.width + squares.depth)  # more than half a diagonal
     for ring in range(squares.side):
@@ -166,7 +131,7 @@ def _see_agents(
                     continue
                 while other >= 0:
                     if other != seat:
-                        _add_if_seen(world, agents, cone, seat, other, view_angle, seen)
+                        _add_if_seen(game, cone, seat, other, seen)
                     other = grid.links[other] - 1
 
 
@@ -181,10 +146,9 @@ def _square_may_be_in_view(squares: Squares, cone: Cone, row: int, column: int, 
 
 
 @inlined_kernel
-def _add_if_seen(
-    world: World, agents: Agents, cone: Cone, seat: int, other: int, view_angle: float, seen: Seen
-) -> None:
+def _add_if_seen(game: Game, cone: Cone, seat: int, other: int, seen: Seen) -> None:
     """Add another agent to an agent's list if it is in sight and near enough for the list."""
+    agents = game.agents
     if not _may_be_in_view(cone, agents.position[other, 0], agents.position[other, 2], BODY_RADIUS):
         return
     dx = agents.position[other, 0] - agents.position[seat, 0]
@@ -195,7 +159,7 @@ def _add_if_seen(
     if is_full_of_nearer(distance, other, count, keys, items):
         return
     place = agents.position[other]
-    if sees_body(world, eye_of(agents, seat, view_angle), place[0], place[1], place[2]):
+    if sees_body(game.world, eye_of(agents, seat, game.rules.view_angle), place[0], place[1], place[2]):
         seen.agent_count[seat] = insert_nearest(distance, other, count, keys, items)
 
 
@@ -255,15 +219,10 @@ def sees_body(world: World, eye: Eye, x: float, y: float, z: float) -> bool:
 def _sees_point(
     world: World, eye: Eye, x: float, y: float, z: float, hidden_by: int, share: float
 ) -> tuple[bool, int, float]:
-    """Test whether a point is visible.
+    """Test whether a point is visible: within the vertical view angle, with a clear line of sight.
 
-    Args:
-        hidden_by: What may be in the way and is tested first: a solid, TERRAIN_HIT or NOTHING_HIT.
-        share: At what share of the way the terrain may be.
-
-    Returns:
-        Whether the point is within the vertical view angle with a clear line of sight, and if not, what is in
-        the way, and at what share of it.
+    What may be in the way is tested first: a solid, or TERRAIN_HIT at a share of the way. If the point is not
+    visible, what hides it is returned, too, and at what share.
     """
     dx, dy, dz = x - eye.x, y - eye.y, z - eye.z
     pitch = arctangent(-dy, np.sqrt(dx * dx + dz * dz))
@@ -286,24 +245,10 @@ def _sees_point(
 
 
 @inlined_kernel
-def _see_supplies(
-    world: World,
-    agents: Agents,
-    supplies: Supplies,
-    heads: NDArray[np.int32],
-    seat: int,
-    frame: int,
-    has_lists: bool,
-    rules: Rules,
-    seen: Seen,
-) -> None:
-    """List the nearest boxes, and find out whether one is in reach, which an agent can feel.
-
-    Args:
-        heads: (squares,) slot + 1 of the first box in each square, 0 = none.
-        frame: The present frame.
-        has_lists: Whether boxes are listed at all.
-    """
+def _see_supplies(game: Game, seat: int, has_lists: bool, seen: Seen) -> None:
+    """List the nearest boxes, and find out whether one is in reach, which an agent feels without any list."""
+    world, agents, supplies, rules = game.world, game.agents, game.supplies, game.rules
+    heads, frame = game.matches.box_squares[game.match], game.matches.frame[game.match]
     sight = rules.supply_sight * rules.supply_sight
     reach = rules.pick_up_distance * rules.pick_up_distance
     lists_all, eye = rules.senses == Senses.ORIGINAL, eye_of(agents, seat, rules.view_angle)
@@ -355,15 +300,9 @@ def is_full_of_nearer(
 def insert_nearest(
     key: float, item: int, count: int, keys: NDArray[np.float64], items: NDArray[np.int32]
 ) -> int:
-    """Insert an item into a list that is sorted by key, dropping the last item if the list is full.
+    """Insert an item into (N,) a list sorted by (N,) keys, and return its new length.
 
-    Args:
-        key: The key of the item; of equal keys, the lesser item comes first.
-        keys: (N,) the keys of the items.
-        items: (N,) the items.
-
-    Returns:
-        The new number of items.
+    A full list drops its last item. Of equal keys, the lesser item comes first.
     """
     if is_full_of_nearer(key, item, count, keys, items):
         return count

@@ -6,8 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.geometry.linked_grid import columns_along, row_of
 from wildscav_engine.geometry.rays import raycast
-from wildscav_engine.geometry.world import World
-from wildscav_engine.simulation.state import NOBODY, Agents, Matches
+from wildscav_engine.simulation.state import NOBODY, Agents, Game
 from wildscav_engine.simulation.systems.agent_grid import LAG, AgentGrid, agent_grid_of
 from wildscav_engine.simulation.systems.aim import direction_of_shot, kick, sway_of
 from wildscav_engine.specs.actions import Field
@@ -52,27 +51,17 @@ def _can_reload(agents: Agents, seat: int) -> bool:
 
 
 @inlined_kernel
-def shoot(
-    world: World,
-    agents: Agents,
-    matches: Matches,
-    match: int,
-    actions: NDArray[np.float32],
-    rules: Rules,
-) -> None:
+def shoot(game: Game, actions: NDArray[np.float32]) -> None:
     """Fire the weapons of all agents that shoot in this frame.
 
     Damage is only added up here, so two agents can kill each other in one frame. Of several agents that hit
     the same one, the last in the order of the frame counts as the one that hit it.
-
-    Args:
-        matches: All matches.
-        actions: (A, FIELDS).
     """
+    agents = game.agents
     for turn in range(agents.turns.shape[0]):
         seat = agents.turns[turn]
         if actions[seat, Field.SHOOT] != 0.0 and can_fire(agents, seat):
-            _fire(world, agents, matches, match, seat, sway_of(agents, seat, actions[seat], rules), rules)
+            _fire(game, seat, sway_of(agents, seat, actions[seat], game.rules))
 
 
 @inlined_kernel
@@ -83,18 +72,16 @@ def can_fire(agents: Agents, seat: int) -> bool:
 
 
 @kernel
-def _fire(
-    world: World, agents: Agents, matches: Matches, match: int, seat: int, sway: float, rules: Rules
-) -> None:
+def _fire(game: Game, seat: int, sway: float) -> None:
+    agents, rules = game.agents, game.rules
     agents.clip[seat] -= 1
     agents.fire_left[seat] = frames(rules.fire_interval)
     agents.fired[seat] = True
     agents.shots[seat] += 1
-    grid = agent_grid_of(world, agents, matches, match)
-    seed, frame = matches.seed[match], matches.frame[match]
+    seed, frame = game.matches.seed[game.match], game.matches.frame[game.match]
     spread = rules.spread * sway
     direction = direction_of_shot(agents.yaw[seat], agents.pitch[seat], spread, seed, frame, seat)
-    victim = _hit_by_shot(world, agents, grid, seat, direction, rules.bullet_range)
+    victim = _hit_by_shot(game, seat, direction)
     kick(agents, seat, rules.recoil * sway, seed, frame)
     if victim != NOBODY and agents.team[victim] != agents.team[seat]:
         agents.hits[seat] += 1
@@ -105,21 +92,15 @@ def _fire(
 
 
 @inlined_kernel
-def _hit_by_shot(
-    world: World,
-    agents: Agents,
-    grid: AgentGrid,
-    shooter: int,
-    direction: tuple[float, float, float],
-    bullet_range: float,
-) -> int:
+def _hit_by_shot(game: Game, shooter: int, direction: tuple[float, float, float]) -> int:
     """Return the seat that a shot hits, or NOBODY, and write where the shot ends."""
+    agents, bullet_range = game.agents, game.rules.bullet_range
     eye_x = agents.position[shooter, 0]
     eye_y = agents.position[shooter, 1] + EYE_HEIGHT
     eye_z = agents.position[shooter, 2]
     dx, dy, dz = direction
-    far = min(bullet_range, raycast(world, eye_x, eye_y, eye_z, dx, dy, dz, bullet_range).distance)
-    distance, victim = first_body(agents, grid, shooter, (eye_x, eye_y, eye_z), direction, far)
+    far = min(bullet_range, raycast(game.world, eye_x, eye_y, eye_z, dx, dy, dz, bullet_range).distance)
+    distance, victim = first_body(agents, agent_grid_of(game), shooter, (eye_x, eye_y, eye_z), direction, far)
     agents.shot_end[shooter, 0] = eye_x + dx * distance
     agents.shot_end[shooter, 1] = eye_y + dy * distance
     agents.shot_end[shooter, 2] = eye_z + dz * distance
@@ -135,16 +116,10 @@ def first_body(
     direction: tuple[float, float, float],
     far: float,
 ) -> tuple[float, int]:
-    """Return the distance and the seat of the first living body on a ray; ``far`` and NOBODY if none.
+    """Return the distance in m and the seat of the first living body on a ray; ``far`` and NOBODY if none.
 
-    Of bodies at the same distance, that of the first seat counts.
-
-    Args:
-        grid: The grid of the agents.
-        shooter: The seat whose own body is ignored.
-        eye: m, the start of the ray.
-        direction: The unit vector of its direction.
-        far: m, the length of the ray.
+    Of bodies at the same distance, that of the first seat counts; the shooter's is ignored. The direction is
+    a unit vector.
     """
     squares, reach = grid.squares, BODY_RADIUS + LAG
     x, y, z = eye
@@ -170,13 +145,8 @@ def first_body(
 def meet_body(x: float, y: float, z: float, dx: float, dy: float, dz: float) -> float:
     """Return the distance in m at which a ray meets a body; 0 from inside it, inf if it misses.
 
-    Args:
-        x: m, start of the ray relative to the point between the body's soles.
-        y: m.
-        z: m.
-        dx: Unit vector of the ray's direction, to the east.
-        dy: The same, upwards.
-        dz: The same, to the north.
+    It starts at x, y, z m from the point between the body's soles; dx, dy, dz are the unit vector of its
+    direction.
     """
     enter, leave = 0.0, np.inf
     if dy != 0.0:

@@ -29,16 +29,7 @@ class Zone(NamedTuple):
 
 
 def plan_zone(config: ZoneConfig, map_size: float, seed: int) -> NDArray[np.float64]:
-    """Draw the circles of a schedule.
-
-    Args:
-        config: The schedule.
-        map_size: m, length of each side of the map.
-        seed: The seed of the match.
-
-    Returns:
-        (Z, 9) as in ``Matches.zone``.
-    """
+    """Draw (Z, 9) the circles of a schedule, as in ``Matches.zone``, on a map with sides of so many m."""
     dice = RandomStream(seed, Stream.ZONE)
     rows = np.zeros((len(config.phases), COLUMNS))
     frame, half = 0, map_size / 2

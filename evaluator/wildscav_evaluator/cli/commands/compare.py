@@ -7,8 +7,7 @@ import typer
 
 from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
-from wildscav_evaluator.bounds import MAX_ROUNDS
-from wildscav_evaluator.cli.options.evaluation import PlayOptions
+from wildscav_evaluator.cli.options.evaluation import PlayOptions, RoundsOption
 
 
 @takes(PlayOptions)
@@ -22,12 +21,7 @@ def compare(
         list[str] | None,
         typer.Option(help="Compare on this track; may be repeated. Default: all tracks that both play."),
     ] = None,
-    rounds: Annotated[
-        int,
-        typer.Option(
-            help="How often to play the suite, each time with the next seed.", min=1, max=MAX_ROUNDS
-        ),
-    ] = 2,
+    rounds: RoundsOption = 2,
 ) -> None:
     """Play two submissions on the same matches, and report which is better, or that they are tied.
 

@@ -56,7 +56,7 @@ def make_maps(
 
     Maps that are cached already are not made again.
     """
-    from wildscav_evaluator.cli.options.selection import suite_seed
+    from wildscav_evaluator.cli.options.selection import check_suite_has, suite_seed
     from wildscav_evaluator.map_making import choices_of_pool, choices_of_suite, run_make_maps
     from wildscav_evaluator.suites.suite_file import find_suite
 
@@ -72,6 +72,9 @@ def make_maps(
     if level is not None:
         choices = choices_of_pool(cast("Level", level), split or "train", first, count or 64, unseen=unseen)
     else:
-        choices = choices_of_suite(find_suite(str(suite)), track or [], first)
+        chosen = find_suite(str(suite))
+        for name in track or []:
+            check_suite_has(chosen, name)
+        choices = choices_of_suite(chosen, track or [], first)
     with executor_of(executor, address, workers) as machines:
         run_make_maps(choices, machines, as_json=as_json)

@@ -8,8 +8,7 @@ import typer
 
 from wildscav.cli.shared_options import takes
 from wildscav.errors import UserError
-from wildscav_evaluator.bounds import MAX_ROUNDS
-from wildscav_evaluator.cli.options.evaluation import PlayOptions
+from wildscav_evaluator.cli.options.evaluation import PlayOptions, RoundsOption
 
 
 @takes(PlayOptions)
@@ -25,12 +24,7 @@ def price(
     paces: Annotated[
         str, typer.Option(help="The paces at which to play, in game seconds a second, separated by commas.")
     ] = "0.5,1,2,4,8",
-    rounds: Annotated[
-        int,
-        typer.Option(
-            help="How often to play the suite, each time with the next seed.", min=1, max=MAX_ROUNDS
-        ),
-    ] = 2,
+    rounds: RoundsOption = 2,
     think: Annotated[
         float, typer.Option(help="Seconds by which to slow down every decision on purpose.", min=0.0)
     ] = 0.0,

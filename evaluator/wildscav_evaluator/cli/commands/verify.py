@@ -172,8 +172,7 @@ def _check_options(given: dict[str, Any], kind: str, place: str) -> None:
 def _kind_of(places: list[str], agent: str | None) -> str:
     """Return what the places are, as OPTIONS names it.
 
-    Raises:
-        UserError: They are several things that need a command each.
+    UserError if they are several things that need a command each.
     """
     kinds = {_kind_of_one(place) for place in places}
     if len(places) == 1 or kinds == {"records"}:
@@ -201,11 +200,7 @@ def _number(text: str) -> int | None:
 
 
 def _audit(*arguments: Any, as_json: bool) -> None:
-    """Audit a season, by what another package registers for it.
-
-    Raises:
-        UserError: No package does; or something is wrong in the season.
-    """
+    """Audit a season by what another package registers for it; UserError if none does, or it has faults."""
     from wildscav_evaluator.cli.sessions.verify_records import AUDITS
 
     for point in entry_points(group=AUDITS):

@@ -80,6 +80,11 @@ SecretOption = Annotated[
     ),
 ]
 
+RoundsOption = Annotated[
+    int,
+    typer.Option(help="How often to play the suite, each time with the next seed.", min=1, max=MAX_ROUNDS),
+]
+
 
 def _say_no_database(path: Path | None) -> None:
     if path is not None:
@@ -177,9 +182,8 @@ class PlayOptions:
     ) -> "Iterator[tuple[AnyPlan, Executor]]":
         """Yield a plan with these options, and the executor that is to play it.
 
-        Args:
-            parent: The folder of numbered output folders, for when no output folder is named.
-            more: The fields of the plan that do not follow from these options.
+        ``parent`` has the numbered output folders, for when none is named; ``more`` are the plan's other
+        fields.
         """
         from wildscav_evaluator.cli.options.selection import check_interface, suite_seed
 

@@ -45,11 +45,7 @@ AddressOption = Annotated[
 
 
 def executor_of(name: str, address: str | None = None, jobs: int | None = None) -> "Executor":
-    """Return the executor that the options name, as a context manager.
-
-    Raises:
-        UserError: It takes no address, or a package that it needs is not installed.
-    """
+    """Return the executor that the options name; UserError if it takes no address, or lacks a package."""
     from wildscav_evaluator.executors import EXECUTORS
 
     return EXECUTORS[name](jobs, address)
@@ -88,11 +84,7 @@ ModelOption = Annotated[
 
 
 def chosen_model(file: Path | None) -> "ModelSettings | None":
-    """Return the settings of the model that agents may ask.
-
-    Raises:
-        UserError: They are not valid, or the key of its server is missing.
-    """
+    """Return the settings of the model that agents may ask; UserError if they are not valid."""
     if file is None:
         return None
     from wildscav_evaluator.model_gateway.settings import read_model
@@ -105,13 +97,9 @@ def chosen_sandbox(
 ) -> "tuple[str, tuple[Submission, ...]]":
     """Return the name of the sandbox to use, having printed it, and the submissions as they run in it.
 
-    Args:
-        asked: The name that the user gave, if any.
-        executor: Where it will be played; this machine if None.
-
-    Raises:
-        SubmissionError: One needs packages and was not built, or is an image and the sandbox runs none.
-        SandboxError: The requested one does not keep its promises on this machine.
+    ``executor`` is where it will be played; this machine if None. SubmissionError if one needs packages and
+    was not built, or is an image and the sandbox runs none; SandboxError if the requested sandbox does not
+    keep its promises.
     """
     from rich.text import Text
 

@@ -1,4 +1,7 @@
-"""What a command is to play: the submissions, tracks, suite and seed that its arguments select."""
+"""What a command is to play: the submissions, tracks, suite and seed that its arguments select.
+
+What there is not, or cannot be played, is refused by a ``UserError``.
+"""
 
 from pathlib import Path
 
@@ -35,11 +38,7 @@ def load_named(named: Path) -> Submission:
 
 
 def tracks_played(submissions: tuple[Submission, ...], asked: list[str]) -> tuple[str, ...]:
-    """Return the tracks to play, in the order of the registry.
-
-    Raises:
-        UserError: There is no such track, or a submission plays none of them.
-    """
+    """Return the tracks to play, in the order of the registry."""
     for name in asked:
         check_track(name)
     wanted = [name for name in TRACKS if not asked or name in asked]
@@ -52,11 +51,7 @@ def tracks_played(submissions: tuple[Submission, ...], asked: list[str]) -> tupl
 
 
 def check_track(name: str) -> None:
-    """Refuse a name that no track has.
-
-    Raises:
-        UserError: There is no such track.
-    """
+    """Refuse a name that no track has."""
     if name not in TRACKS:
         raise UserError(
             f"there is no track {name!r}{did_you_mean(name, TRACKS)}; the tracks are {', '.join(TRACKS)}",
@@ -65,11 +60,7 @@ def check_track(name: str) -> None:
 
 
 def check_suite_has(suite: Suite, track: str) -> None:
-    """Refuse a track that a suite does not have.
-
-    Raises:
-        UserError: It does not.
-    """
+    """Refuse a track that a suite does not have."""
     if track not in suite.tracks:
         raise UserError(
             f"suite {suite.name} has no track {track}; its tracks are {', '.join(suite.tracks)}", exit_code=2
@@ -77,11 +68,7 @@ def check_suite_has(suite: Suite, track: str) -> None:
 
 
 def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: Suite) -> tuple[str, ...]:
-    """Return the tracks of a suite to play.
-
-    Raises:
-        UserError: The suite lacks a requested track, or has none that the submissions play.
-    """
+    """Return the tracks of a suite to play."""
     tracks = tracks_played(submissions, asked)
     for name in tracks if asked else ():
         check_suite_has(suite, name)
@@ -99,11 +86,7 @@ def suite_tracks(submissions: tuple[Submission, ...], asked: list[str], suite: S
 def clock_choice(text: str, option: str = "") -> ClockChoice:
     """Return the clock that an option describes, such as ``running,pace=2``.
 
-    Args:
-        option: What was given, if it was not ``--clock`` with the text.
-
-    Raises:
-        UserError: There is no such clock, or it has no such price.
+    ``option`` is what was given, if it was not ``--clock`` with the text.
     """
     option, (clock, *price) = option or f"--clock {text}", text.split(",")
     try:
@@ -117,11 +100,7 @@ def clock_choice(text: str, option: str = "") -> ClockChoice:
 
 
 def suite_seed(seed: int | None, secret: Path | None) -> SuiteSeed:
-    """Return the seed that the options select.
-
-    Raises:
-        UserError: Both options are given, or there is no such secret.
-    """
+    """Return the seed that the options select."""
     if secret is None:
         return SuiteSeed(seed or 0)
     if seed is not None:
@@ -130,11 +109,7 @@ def suite_seed(seed: int | None, secret: Path | None) -> SuiteSeed:
 
 
 def check_interface(submissions: tuple[Submission, ...], asked: str | None) -> None:
-    """Refuse submissions that play by another interface than is asked for.
-
-    Raises:
-        UserError: One does.
-    """
+    """Refuse submissions that play by another interface than is asked for."""
     for one in submissions:
         if asked not in (None, one.manifest.interface):
             raise UserError(
@@ -145,11 +120,7 @@ def check_interface(submissions: tuple[Submission, ...], asked: str | None) -> N
 
 
 def check_plays(submission: Submission, track: str) -> None:
-    """Refuse a submission that does not play a track.
-
-    Raises:
-        UserError: It does not.
-    """
+    """Refuse a submission that does not play a track."""
     if track not in submission.manifest.tracks:
         raise UserError(
             f"submission {submission.name!r} does not play {track}: the tracks in "

@@ -40,13 +40,8 @@ KeyOption = Annotated[
 def signing_key(file: Path | None, out: Path, submissions: "Sequence[Submission]") -> "SigningKey | None":
     """Return the key to sign with, or None if none is requested.
 
-    Args:
-        file: The file of the key, if one is requested.
-        out: The output folder, which will be published.
-        submissions: The submissions that play; agents can read their own folders.
-
-    Raises:
-        UserError: The key cannot be used, or is in a folder that others will see.
+    UserError if it cannot be used, or lies where others see it: in ``out``, which will be published, or in
+    the folder of a submission, which agents can read.
     """
     if file is None:
         return None
@@ -74,11 +69,7 @@ def warn_of_open_key(sandbox: str) -> None:
 
 
 def ask_passphrase(file: Path) -> str:
-    """Return the passphrase of a key, from the environment or by asking on the terminal.
-
-    Raises:
-        UserError: It is not in the environment, and there is no terminal.
-    """
+    """Return the passphrase of a key, from the environment or else asked for on the terminal."""
     given = os.environ.get(PASSPHRASE)
     if given is not None:
         return given
@@ -87,11 +78,7 @@ def ask_passphrase(file: Path) -> str:
 
 
 def new_passphrase() -> str:
-    """Return the passphrase of a new key, from the environment or by asking on the terminal.
-
-    Raises:
-        UserError: It is not in the environment and there is no terminal, or it is empty.
-    """
+    """Return the passphrase of a new key, likewise; UserError also if it is empty."""
     given = os.environ.get(PASSPHRASE)
     if given is None:
         _need_terminal("a passphrase is needed")

@@ -29,18 +29,10 @@ USUAL_TEAM = 2  # seats of a team on a track whose seats form teams
 def load_entrants(
     named: Sequence[str], track: str, *, meet_own: bool
 ) -> tuple[tuple[Submission, ...], tuple[str, ...]]:
-    """Read and check the entrants of a tournament.
+    """Return the submissions of a tournament, with unique names, and the names of its robots.
 
-    Args:
-        named: Folders, archives, ``image:NAME``, names of baselines, and ``robot:NAME``.
-        track: The track that all of them must play.
-        meet_own: Whether the same files may be entered several times.
-
-    Returns:
-        The submissions, with unique names, and the names of the robots.
-
-    Raises:
-        UserError: One is not valid or does not play the track, or there are too few or too many.
+    ``named`` has folders, archives, ``image:NAME``, baselines and ``robot:NAME``. UserError if one is not
+    valid or does not play the track, or if there are too few or too many.
     """
     robots = [name.removeprefix(ROBOT_ENTRANT) for name in named if name.startswith(ROBOT_ENTRANT)]
     for robot in robots:
@@ -60,11 +52,7 @@ def load_entrants(
 
 
 def _load_submission(name: str) -> Submission:
-    """Read and check an entrant that is not a robot.
-
-    Raises:
-        UserError: It is not valid, or is the name of a robot without the prefix.
-    """
+    """Read an entrant that is no robot; UserError if it is not valid, or a robot's name alone."""
     if name in ROBOTS and not Path(name).exists():
         raise UserError(
             f"there is no submission {name!r}; to enter the robot, write {ROBOT_ENTRANT}{name}", exit_code=2
@@ -82,12 +70,8 @@ def chosen_settings(
 ) -> TournamentSettings:
     """Return who sits where; what is not asked for depends on the track, the suite and the entrants.
 
-    Args:
-        entrants: The number of entrants.
-        entries: How many of them are entries of one submission, at most.
-
-    Raises:
-        UserError: The entrants cannot be seated like that.
+    ``entries`` is how many of them are entries of one submission, at most. UserError if they cannot be seated
+    like that.
     """
     size = asked.team_size or (USUAL_TEAM if has_teams(track) else 1)
     if asked.mixed and size == 1:
@@ -117,11 +101,7 @@ def chosen_settings(
 
 
 def _places(entrants: int, seats: int, size: int, *, mixed: bool) -> int:
-    """Return the number of entrants in a match with so many seats, in teams of a size.
-
-    Raises:
-        UserError: The seats are no whole teams, or there are fewer entrants.
-    """
+    """Return the number of entrants in a match; UserError without so many, or without whole teams."""
     if seats % size:
         raise UserError(f"--seats is {seats}, must be a multiple of the team size {size}", exit_code=2)
     if mixed and entrants < 2 * size:
@@ -140,14 +120,9 @@ def _places(entrants: int, seats: int, size: int, *, mixed: bool) -> int:
 
 
 def robots_asked(text: str, track: str, most: int) -> tuple[str, ...]:
-    """Return the robots that fill further seats, from the text of the option.
+    """Return the robots that fill further seats, from their number, or their names, separated by commas.
 
-    Args:
-        text: Their number, or their names, separated by commas.
-        most: How many seats are left for them.
-
-    Raises:
-        UserError: They are too many, or one does not exist.
+    UserError if they are more than ``most``, or one does not exist.
     """
     names = tuple(name.strip() for name in text.split(",") if name.strip())
     numbered = text.isdecimal()

@@ -29,11 +29,7 @@ def run_check(
     *,
     as_json: bool = False,
 ) -> None:
-    """Check a submission and print the findings.
-
-    Raises:
-        UserError: A check failed that a submission must pass.
-    """
+    """Check a submission and print the findings; UserError if it fails a check that it must pass."""
     with preparing(console):
         precompile_for([submission.sensors])
     with telling("playing") as tell:

@@ -13,9 +13,10 @@ from wildscav_evaluator.cli.sessions.evaluate import total_failures
 from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, say, say_ledger
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
+from wildscav_evaluator.output.layout import COMPARISON_FILE
 from wildscav_evaluator.output.results import write_results
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
-from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Comparison, compare, write_comparisons
+from wildscav_evaluator.scores.compare import FEWEST_PAIRS, Comparison, compare
 from wildscav_evaluator.scores.number_format import number, signed
 from wildscav_evaluator.submissions.submission import Submission
 
@@ -27,16 +28,7 @@ def run_comparison(
     *,
     as_json: bool = False,
 ) -> None:
-    """Play two submissions on the same matches, and show and save which is better.
-
-    Args:
-        executor: Where to play; processes on this machine if None.
-        as_json: Whether to print a JSON document as well.
-
-    Raises:
-        UserError: Nothing could be played; or, after everything else was shown and saved, something could not
-            be saved or a submission failed in all its matches.
-    """
+    """Play two submissions on the same matches, and show and save which is better. See ``run_session``."""
     first, second = plan.submissions
     with playing(plan, options, executor) as (results, ledger):
         comparisons = compare(results, first.name, second.name)
@@ -51,7 +43,7 @@ def run_comparison(
             console.print(f"played in {line}")
         try:
             ledger.close(results, write_results(results, plan.out))
-            say("saved in", str(write_comparisons(comparisons, plan.out)))
+            say("saved in", str(comparisons.write(plan.out / COMPARISON_FILE)))
             say_ledger(plan, ledger)
         except OSError as error:
             raise UserError(f"the comparison could not be saved: {describe(error)}") from error

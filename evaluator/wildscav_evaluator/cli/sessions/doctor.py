@@ -19,11 +19,7 @@ from wildscav_evaluator.suites.suite import SUITES
 
 
 def examine_nodes(executor: Executor, *, as_json: bool = False) -> None:
-    """Show which nodes of a cluster can be used, and which sandboxes work on each.
-
-    Raises:
-        UserError: No node can run agents in a sandbox.
-    """
+    """Show which nodes of a cluster can be used, and which sandboxes work on each; UserError if none can."""
     names = [name for name in SANDBOXES.built_in if SANDBOXES[name].isolated]
     with console.status("trying sandboxes on all nodes"):
         nodes = executor.examine(names)
@@ -41,22 +37,22 @@ def nodes_table(nodes: Sequence[Examined], sandboxes: Sequence[str]) -> Table:
         table.add_column(heading, justify="right" if heading == "cores" else "left")
     for node in nodes:
         broken = [f"{name}: {why}" for name, why in node.sandboxes.items() if why]
-        marks = [_mark(node, name) for name in sandboxes]
+        if node.problem:
+            marks = [Text("not used", "red") for _ in sandboxes]
+        else:
+            marks = [_works(not node.sandboxes[name]) for name in sandboxes]
         table.add_row(node.name, str(node.cores), *marks, Text(node.problem or "; ".join(broken)))
     return table
 
 
-def _mark(node: Examined, sandbox: str) -> Text:
-    if node.problem:
-        return Text("not used", "red")
-    return Text("broken", "red") if node.sandboxes[sandbox] else Text("works", "green")
+def _works(works: object, yes: str = "works") -> Text:
+    return Text(yes, "green") if works else Text("broken", "red")
 
 
 def examine_this_machine(*, as_json: bool) -> None:
     """Show which sandboxes keep their promises on this machine, and what other packages add.
 
-    Raises:
-        UserError: No sandbox keeps all its promises, or an addition does not work.
+    UserError if no sandbox keeps all its promises, or an addition does not work.
     """
     additions = list(installed())
     broken = [one for one in additions if one.problem]
@@ -103,8 +99,7 @@ def _promises_table(name: str, promises: tuple[Promise, ...]) -> Table:
     for heading in ("promise", "", "found", "what to do"):
         table.add_column(heading)
     for promise in promises:
-        mark = Text("kept", "green") if promise.kept else Text("broken", "red")
-        table.add_row(promise.name, mark, promise.found, promise.remedy)
+        table.add_row(promise.name, _works(promise.kept, "kept"), promise.found, promise.remedy)
     return table
 
 
@@ -125,6 +120,6 @@ def extensions_table(additions: list[Addition]) -> Table:
     for heading in ("kind", "name", "package", "", "why"):
         table.add_column(heading)
     for one in additions:
-        mark = Text("broken", "red") if one.problem else Text("works", "green")
-        table.add_row(one.group.removeprefix(PREFIX), one.name, str(one.origin), mark, Text(one.problem))
+        kind, works = one.group.removeprefix(PREFIX), _works(not one.problem)
+        table.add_row(kind, one.name, str(one.origin), works, Text(one.problem))
     return table

@@ -19,7 +19,14 @@ from wildscav_evaluator.cli.result_tables import (
     timing_table,
     track_table,
 )
-from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_files
+from wildscav_evaluator.cli.sessions.playing import (
+    playing,
+    print_note,
+    raise_errors,
+    saving_errors,
+    say,
+    say_files,
+)
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
 from wildscav_evaluator.output.numbered_folders import number_of
@@ -41,13 +48,9 @@ def run_session(
 ) -> None:
     """Evaluate, and show and save the results.
 
-    Args:
-        executor: Where to play; processes on this machine if None.
-        as_json: Whether to print a JSON document as well.
-
-    Raises:
-        UserError: Nothing could be evaluated; or, after everything else was shown and saved, something could
-            not be saved or a submission failed in all its matches.
+    Without an executor, matches are played in processes on this machine. UserError if nothing could be
+    evaluated or, after everything else was shown and saved, if something could not be saved or a submission
+    failed in all its matches.
     """
     with playing(plan, options, executor) as (results, ledger):
         # Written before anything is shown, so that closing the terminal loses nothing.
@@ -71,7 +74,7 @@ def show_notes(results: Results) -> None:
     if lines:
         console.print()
     for line in lines:
-        console.print(Text.assemble(("note: ", "yellow"), line))
+        print_note(line)
     console.print()
     for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
         say("" if position else "sandbox", line)

@@ -107,19 +107,9 @@ def person_in_suite(
 ) -> Iterator[Plan | None]:
     """Let a person play the matches of a suite within the block, and show the results after it.
 
-    Args:
-        name: What the person is called on boards.
-        suite_name: A suite, or the file of one.
-        seed: Its seed.
-        track: The only track to play; None for all.
-        out: The output folder; None for a numbered one, or the one in which this was interrupted.
-        fresh: Whether to play all matches again.
-
-    Yields:
-        The plan of the first match that is left; None if all were played.
-
-    Raises:
-        UserError: The suite has no such track, or a match that people cannot play.
+    Yields the plan of the first match that is left; None if all were played. Without a track, all are played.
+    Without ``out``, a numbered folder is used, or the one in which this was interrupted. UserError if the
+    suite has no such track, or a match that people cannot play.
     """
     suite = find_suite(suite_name)
     if track is not None:

@@ -31,8 +31,7 @@ def show_standings(
 ) -> None:
     """Print the standings and the latest tournaments of the results in some files and folders.
 
-    Raises:
-        UserError: A place does not exist or is not readable, or there is nothing of the track and the suite.
+    UserError if a place does not exist or is not readable, or there is nothing of the track and the suite.
     """
     with error_console.status("reading results"):
         results = find_results(places)

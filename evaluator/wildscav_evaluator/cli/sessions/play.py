@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from pydantic import ValidationError
 from rich.progress import TimeElapsedColumn
 from rich.table import Table
-from rich.text import Text
 
 from wildscav.errors import UserError, describe
 from wildscav.terminal.console import command, console, print_json, progress_bar
@@ -32,7 +31,7 @@ from wildscav_evaluator.cli.result_tables import (
     plain_table,
     waits_note,
 )
-from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
+from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, print_note, raise_errors
 from wildscav_evaluator.matches.play import (
     MatchAssignment,
     PlayedMatch,
@@ -76,8 +75,7 @@ def make_spec(
 ) -> MatchSpec:
     """Return the spec of a match; the submissions have the first seats, robots the others.
 
-    Raises:
-        UserError: The match is not valid; for example, the map's size is odd, or there are too many seats.
+    UserError if there can be no such match: the map's size is odd, say, or there are too many seats.
     """
     if size % 2:
         raise UserError(f"--size is {size}, must be even", exit_code=2)
@@ -112,10 +110,8 @@ def run_match(
 ) -> None:
     """Play a match, show how it went, and write the requested files.
 
-    Raises:
-        UserError: The match could not be played; or, after everything else was shown and written, an agent
-            failed or a file could not be written.
-        OSError: A log could not be written.
+    UserError if it could not be played or, after everything else was shown and written, if an agent failed or
+    a file could not be written. OSError if a log could not be.
     """
     check_output_paths(record, replay)
     if record is not None or replay is not None:
@@ -243,13 +239,9 @@ def _seat_document(seating: MatchAssignment, played: PlayedMatch, seat: "SeatRes
 def _show_notes(seating: MatchAssignment, played: PlayedMatch) -> None:
     """Print which agents sent invalid actions, and which waited for a processor."""
     for seat, report in played.seats.items():
-        line = invalid_actions_note(
-            seating.names[seat], actions=report.steps_played, invalid=report.invalid_actions
-        )
-        if line is not None:
-            console.print(Text.assemble(("note: ", "yellow"), line))
-        if (note := waits_note(seating.names[seat], [report.credited or 0.0])) is not None:
-            console.print(Text.assemble(("note: ", "yellow"), note))
+        name, invalid = seating.names[seat], report.invalid_actions
+        print_note(invalid_actions_note(name, actions=report.steps_played, invalid=invalid))
+        print_note(waits_note(name, [report.credited or 0.0]))
 
 
 def _write(
@@ -290,11 +282,7 @@ def _failures(played: PlayedMatch, seating: MatchAssignment) -> Iterator[str]:
 
 
 def check_output_paths(record: Path | None, replay: Path | None) -> None:
-    """Check that a record and a replay can be written, if they are requested, and create their folders.
-
-    Raises:
-        UserError: One cannot be written, both name the same file, or the replay's name is not valid.
-    """
+    """Check that a record and a replay, if requested, can be written to two files; create their folders."""
     if record is not None and replay is not None and record.resolve() == replay.resolve():
         raise UserError(f"--record and --replay name the same file {record}: name two files", exit_code=2)
     for option, path in (("--record", record), ("--replay", replay)):

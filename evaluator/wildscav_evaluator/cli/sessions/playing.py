@@ -49,14 +49,8 @@ def playing(
 ) -> Iterator[tuple[Results, LedgerWriter]]:
     """Play the matches of a plan that are not played yet, and lock its output folder while the block lasts.
 
-    Args:
-        executor: Where to play; processes on this machine if None.
-
-    Yields:
-        The results, and the ledger, which the caller closes with them.
-
-    Raises:
-        UserError: The matches cannot be played, or the evaluation was interrupted.
+    Yields the results, and the ledger, which the caller closes with them. UserError if the matches cannot be
+    played, or the evaluation was interrupted.
     """
     check_out(plan.out, plan.submissions)
     jobs = plan.make_jobs()
@@ -107,11 +101,7 @@ def _play(
 
 
 def _longest(jobs: Sequence[Job]) -> float:
-    """Return how long a match lasts at most by its agents' time limits, s.
-
-    Raises:
-        UserError: One cannot end within its longest time.
-    """
+    """Return how long a match lasts at most, s; UserError if one cannot end within its longest time."""
     try:
         return max(Clock(longest=job.limits.wall_clock).bound(job.spec) for job in jobs)
     except ValueError as error:
@@ -164,11 +154,7 @@ def saving_errors(
 
 
 def say_files(plan: Plan, ledger: LedgerWriter, results: Results, replay: str | None = None) -> None:
-    """Print where everything is, and the commands that look at it.
-
-    Args:
-        replay: The replay to suggest; the first one if None.
-    """
+    """Print where everything is, and the commands that look at it; suggest a replay, or the first."""
     say("results", str(plan.out / RESULTS_FILE))
     say_ledger(plan, ledger)
     places = () if OUT in plan.out.parents else (plan.out,)
@@ -204,12 +190,14 @@ def say(what: str, text: str) -> None:
     console.print(f"{what:<9} {text}")
 
 
-def raise_errors(errors: Sequence[str]) -> None:
-    """Print every error on its own line, in the format of the command line; raise the last one.
+def print_note(text: str | None) -> None:
+    """Print a note, if there is one."""
+    if text is not None:
+        console.print(Text.assemble(("note: ", "yellow"), text))
 
-    Raises:
-        UserError: There was one.
-    """
+
+def raise_errors(errors: Sequence[str]) -> None:
+    """Print all errors but the last, each on a line as the command line does, and raise that."""
     if not errors:
         return
     for error in errors[:-1]:

@@ -24,11 +24,7 @@ from wildscav_server import leftovers
 
 
 def clocks_of(paces: str) -> tuple[ClockChoice, ...]:
-    """Return the clocks by which to play: ``paused``, then ``running`` at some paces.
-
-    Raises:
-        UserError: The text is not a list of different paces.
-    """
+    """Return the clocks by which to play: ``paused``, then ``running`` at paces of which no two are equal."""
     clocks = tuple(
         clock_choice(f"running,pace={pace.strip()}", f"--paces {paces}") for pace in paces.split(",")
     )
@@ -58,11 +54,7 @@ def run_price(
 ) -> None:
     """Play the matches of a plan by each clock, and show and save the price of thinking.
 
-    Args:
-        think: Seconds by which every decision is slowed down on purpose.
-
-    Raises:
-        UserError: Nothing could be played, or something could not be saved.
+    ``think`` is by how many seconds every decision is slowed down on purpose.
     """
     played = []
     for clock in clocks:

@@ -27,12 +27,8 @@ SHOWN = 20  # disagreements, at most
 def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_json: bool = False) -> None:
     """Play the records of a folder again, show the tables that follow from them, and report disagreements.
 
-    Args:
-        key: The public key that must have signed its ledger; None to accept any.
-        as_json: Whether to print a JSON document as well.
-
-    Raises:
-        UserError: There are no records; or, after everything was shown, they do not agree with the results.
+    ``key`` is the public key that must have signed its ledger; None for any. UserError if there are no
+    records or, after everything was shown, if they do not agree with the results.
     """
     paths = record_paths(out)
     reported = read_results(out / RESULTS_FILE) if (out / RESULTS_FILE).exists() else None
@@ -62,11 +58,7 @@ def run_rescore(out: Path, executor: Executor, key: str | None = None, *, as_jso
 
 
 def show_commitment(out: Path, commitment: str) -> None:
-    """Check that the recorded matches are those of the secret that was committed to, and print so.
-
-    Raises:
-        UserError: They are not, or the secret is not opened.
-    """
+    """Check that the recorded matches are those of the secret that was committed to, and print so."""
     records = check_opened(out, commitment)
     of_it = "record is of a match" if records == 1 else "records are of matches"
     console.print(
@@ -126,31 +118,23 @@ def recomputed(
 ) -> Results:
     """Return results that are recomputed from records.
 
-    Args:
-        out: The folder, which has the file of an organizer's own suite.
-        reported: The evaluation's own results, the source of everything that records do not contain; None if
-            there are none.
-        identity: The identity of the evaluation, which is used if it has no results yet.
-
-    Raises:
-        UserError: Its suite is not known.
+    ``reported`` is the source of everything that records do not contain; without results yet, ``identity``
+    is. ``out`` has the file of an organizer's own suite.
     """
     evaluations = tuple(recompute(replayed, reported))
     if reported is not None:
         return _rated(out, reported.model_copy(update={"evaluations": evaluations}))
     nothing = Timings(started="", wall=0.0, jobs=0, matches=())
-    results = Results(
+    unknown = {"suite": "unknown", "sandbox": "unknown"} if identity is None else {}
+    results = Results.about(
+        identity,
         versions=CURRENT_VERSIONS,
-        suite="unknown" if identity is None else identity.suite,
         seed=None if identity is None else _public_seed(identity),
-        rounds=1 if identity is None else identity.rounds,
-        tournament=None if identity is None else identity.tournament,
-        sandbox="unknown" if identity is None else identity.sandbox,
-        limits={} if identity is None else identity.limits,
-        clock=None if identity is None else identity.clock,
-        model=None if identity is None else identity.model,
+        commitment=None,
+        key=None,
         evaluations=evaluations,
         timings=nothing,
+        **unknown,
     )
     return results if identity is None else _rated(out, results)
 

@@ -39,15 +39,9 @@ CAUTION = (
 def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs: Path, sandbox: str) -> None:
     """Run a submission again in a recorded match, and show how far it acts as recorded.
 
-    Args:
-        seats: The seats whose actions to compare; if empty, those that the record gives to the submission.
-        logs: The folder for the agents' output.
-        sandbox: The name of the sandbox in which they run.
-
-    Raises:
-        UserError: The record is not valid or has no such seat; or, after everything was shown, the agent acts
-            differently.
-        OSError: A log could not be written.
+    Without ``seats``, those are compared that the record gives to the submission. UserError if the record is
+    not valid or has no such seat or, after everything was shown, if the agent acts differently. OSError if a
+    log could not be written.
     """
     record = _verified_record(path)
     ledger = _ledger(path)
@@ -71,11 +65,7 @@ def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs:
 
 
 def _verified_record(path: Path) -> Record:
-    """Return a record, after verifying it.
-
-    Raises:
-        UserError: The record is not valid.
-    """
+    """Return a record that holds; UserError if it does not."""
     try:
         record = read_record(path)
         with console.status("re-simulating the record"):
@@ -117,8 +107,7 @@ def _chosen_seats(
 ) -> tuple[int, ...]:
     """Return the seats to compare: those asked for, or all seats of the submission's entries.
 
-    Raises:
-        UserError: There are none, or a requested one is not filled by a submission.
+    UserError if there are none, or a requested one is not filled by a submission.
     """
     filled = submission_seats(record.spec.seats)
     known = ", ".join(f"{seat} ({printable(record.names[seat])})" for seat in filled) or "none"

@@ -14,10 +14,7 @@ from wildscav_evaluator.cli.sessions.evaluate import show_notes, total_failures
 from wildscav_evaluator.cli.sessions.playing import playing, raise_errors, saving_errors, say, say_files
 from wildscav_evaluator.executors import Executor
 from wildscav_evaluator.monitoring.monitor import MonitorOptions
-from wildscav_evaluator.output.layout import (
-    STANDINGS_PICTURE,
-    TOURNAMENT_FILE,
-)
+from wildscav_evaluator.output.layout import STANDINGS_PICTURE, TOURNAMENT_FILE
 from wildscav_evaluator.output.results import Results
 from wildscav_evaluator.plans.tournament import TournamentPlan
 from wildscav_evaluator.ratings.picture import draw_standings
@@ -31,16 +28,7 @@ def run_tournament(
     *,
     as_json: bool = False,
 ) -> None:
-    """Play a tournament, and show and save its standings.
-
-    Args:
-        executor: Where to play; processes on this machine if None.
-        as_json: Whether to print a JSON document as well.
-
-    Raises:
-        UserError: It could not be played; or, after everything else was shown and saved, something could not
-            be saved or an entrant failed in all its matches.
-    """
+    """Play a tournament, and show and save its standings. Errors: see ``run_session``."""
     with playing(plan, options, executor) as (results, ledger):
         tournament = tournament_of(results)
         # Written before anything is shown, so that closing the terminal loses nothing.
@@ -78,7 +66,6 @@ def _show(tournament: Tournament, results: Results) -> None:
 
 
 def _write_ratings(tournament: Tournament, out: Path) -> None:
-    """Write the ratings and their picture."""
     tournament.write(out / TOURNAMENT_FILE)
     if tournament.ratings.standings:
         draw_standings(tournament.ratings, tournament.title, out / STANDINGS_PICTURE)

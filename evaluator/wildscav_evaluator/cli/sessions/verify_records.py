@@ -33,13 +33,8 @@ class Finding(NamedTuple):
 def verify_records(records: Sequence[Path], key: str | None = None, *, as_json: bool = False) -> None:
     """Play records again, compare every step, and show a table of what was found.
 
-    Args:
-        records: Their files. One in an evaluation's folder must also be the one that its ledger names.
-        key: The public key that must have signed that ledger; None to accept any.
-        as_json: Whether to print a JSON document as well.
-
-    Raises:
-        UserError: After everything was shown, one does not hold.
+    One in an evaluation's folder must also be the one that its ledger names; ``key`` is the public key that
+    must have signed that ledger, None for any. UserError, after everything was shown, if one does not hold.
     """
     findings: list[Finding] = []
     with error_console.status("") as status:
@@ -97,14 +92,7 @@ def _check(path: Path, key: str | None) -> Finding:
 
 
 def _contradiction(path: Path, record: Record, key: str | None) -> str:
-    """Return why a record does not match its name or its evaluation's ledger, or an empty text if it does.
-
-    Args:
-        key: The public key that the ledger must be signed with; None to accept any ledger.
-
-    Raises:
-        UserError: The key is not a public key.
-    """
+    """Return why a record does not match its name or its evaluation's ledger, or an empty text if it does."""
     name = parse_name(path)
     if name is not None and (fault := misnamed(record, name)):
         return f"its file has the name of another record: {fault}"
@@ -115,11 +103,8 @@ def _contradiction(path: Path, record: Record, key: str | None) -> str:
             check_key(ledger, _public(key), out)
     except LedgerError as error:
         return str(error)
-    return "" if ledger is None else _not_entered(path, ledger)
-
-
-def _not_entered(path: Path, ledger: Ledger) -> str:
-    """Return how a record differs from the ledger of its folder, or an empty text if it does not."""
+    if ledger is None:
+        return ""
     entered = ledger.played.get(path.stem)
     if entered is None:
         return f"{LEDGER_FILE} has no such match"

@@ -26,14 +26,7 @@ STOP_TIME = 15.0  # s for the matches on all nodes to be stopped
 
 
 class Bridge:
-    """A connection to a Ray cluster, through a process of its own.
-
-    Args:
-        address: As for ``connect``.
-
-    Raises:
-        ExecutorError: Ray is not installed, or the cluster cannot be used.
-    """
+    """A connection to a Ray cluster, through a process of its own. Address and errors: see ``connect``."""
 
     def __init__(self, address: str | None) -> None:
         self._where = f"the Ray cluster at {address}" if address else "the Ray cluster"
@@ -50,13 +43,9 @@ class Bridge:
             raise
 
     def request(self, request: Request, answer: Callable[[Any], Any] = lambda _: None) -> Iterator[Message]:
-        """Send a request, and yield the messages that answer it, except questions.
+        """Send a request, and yield the messages that answer it, except questions, which ``answer`` answers.
 
-        Args:
-            answer: Returns the answer to a question.
-
-        Raises:
-            ExecutorError: It failed, or the cluster was lost.
+        ExecutorError if it failed, or the cluster was lost.
         """
         self._send(request)
         while not isinstance(message := self._receive(), Done):
@@ -98,11 +87,7 @@ class Bridge:
 
 
 def check_installed() -> None:
-    """Refuse to go on without the package ``ray``.
-
-    Raises:
-        UserError: It is not installed.
-    """
+    """Refuse to go on without the package ``ray``."""
     if importlib.util.find_spec("ray") is None:
         raise UserError("--executor ray needs the module ray; install it with: pip install 'wildscav[ray]'")
 
@@ -110,7 +95,9 @@ def check_installed() -> None:
 def _serve(connection: Connection, parent: int, address: str | None, log: Path) -> None:
     """Connect to the cluster and carry out requests. Runs in the bridge's process."""
     become_worker(parent)
-    _redirect_output(log)
+    descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+    for stream in (sys.stdout, sys.stderr):
+        os.dup2(descriptor, stream.fileno())
     from wildscav_evaluator.executors.cluster.connection import connect
 
     try:
@@ -125,12 +112,6 @@ def _serve(connection: Connection, parent: int, address: str | None, log: Path) 
     with contextlib.closing(ClusterSession()) as session, contextlib.suppress(EOFError, OSError):
         while True:
             _carry_out(connection, session.carry_out(connection.recv()))
-
-
-def _redirect_output(log: Path) -> None:
-    descriptor = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
-    for stream in (sys.stdout, sys.stderr):
-        os.dup2(descriptor, stream.fileno())
 
 
 def _carry_out(connection: Connection, messages: Generator[Message, Any, None]) -> None:

@@ -19,11 +19,8 @@ TOKEN_VARIABLES = ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH")
 def connect(address: str | None) -> None:
     """Connect this process to a cluster, without anything that Ray would print or report about its users.
 
-    Args:
-        address: ``HOST:PORT`` or ``ray://HOST:PORT``; None for ``RAY_ADDRESS`` or this machine's cluster.
-
-    Raises:
-        ExecutorError: There is no cluster, or it cannot be used; the message is one line.
+    Without an address, it is ``RAY_ADDRESS`` or this machine's cluster. ExecutorError, in one line, if it
+    cannot be used.
     """
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
     _use_token()
@@ -53,11 +50,7 @@ def _use_token() -> None:
 
 
 def check_address(address: str) -> None:
-    """Refuse an address where nothing listens, for which Ray would wait a minute.
-
-    Raises:
-        ExecutorError: It is no address, or nothing listens there.
-    """
+    """Refuse an address where nothing listens, for which Ray would wait a minute."""
     if address == "auto":
         return
     host, _, port = address.removeprefix(CLIENT).rpartition(":")

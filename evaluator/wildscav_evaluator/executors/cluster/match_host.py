@@ -73,20 +73,14 @@ class MatchHost:
         self._worker: Worker | None = None
 
     def prepare(self) -> None:
-        """Start the worker, and compile the engine or load it from the node's cache.
-
-        Raises:
-            WorkerDiedError: It could not be compiled.
-        """
+        """Start the worker, and compile the engine or load it; WorkerDiedError if that fails."""
         self._ready_worker()
 
     def play(self, job: Job, shipments: Mapping[Path, Shipment], files: Mapping[str, bytes]) -> Report:
         """Start a match, and return the first report on it.
 
-        Args:
-            job: The job, with paths of the machine that asks for it.
-            shipments: Its submissions' files, by their folders on that machine.
-            files: Files of an earlier run that it needs, by their paths in the output folder.
+        The job has paths of the machine that asks for it, and by these its submissions' ``shipments``.
+        ``files`` of an earlier run that it needs are by their paths in the output folder.
         """
         self._job = job
         try:

@@ -51,13 +51,7 @@ class Host:
 
 
 class MatchSchedule:
-    """Plays jobs on the nodes of a cluster.
-
-    Args:
-        jobs: The jobs, in the order in which to start them.
-        at_once: How many matches at once, at most.
-        shipments: The submissions' files, by their folders here.
-    """
+    """Plays jobs on the nodes of a cluster, in their order; submissions are shipped by their folders here."""
 
     def __init__(
         self, nodes: ClusterNodes, jobs: Sequence[Job], at_once: int, shipments: Mapping[Path, Shipment]
@@ -71,11 +65,7 @@ class MatchSchedule:
         self._waited_at = time.monotonic()
 
     def prepare(self) -> None:
-        """Start processes on the nodes, and wait until the first one is ready.
-
-        Raises:
-            ExecutorError: No node can play matches.
-        """
+        """Start processes on the nodes, and wait until one is ready; ExecutorError if no node can play."""
         while not any(host.is_ready for host in self._hosts):
             self._start_hosts()
             self._check_nodes()
@@ -84,11 +74,7 @@ class MatchSchedule:
                     self._lose(host, report.reason)
 
     def run(self) -> Generator[Message, Any, None]:
-        """Play all jobs.
-
-        Raises:
-            ExecutorError: All nodes were lost.
-        """
+        """Play all jobs; ExecutorError if all nodes were lost."""
         while self._waiting or any(host.number is not None for host in self._hosts):
             yield from self._assign()
             self._start_hosts()
@@ -155,8 +141,7 @@ class MatchSchedule:
     def _make_room(self, unneeded: Mapping[int, int]) -> None:
         """Stop an idle process that has another number of cores than the next matches need.
 
-        Args:
-            unneeded: How many processes with each number of cores no waiting match will take.
+        ``unneeded`` is how many processes with each number of cores no waiting match will take.
         """
         for host in self._hosts:
             if host.is_idle and unneeded[host.cores]:

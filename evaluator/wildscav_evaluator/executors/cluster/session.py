@@ -41,11 +41,7 @@ class ClusterSession:
         self._schedule: MatchSchedule | None = None
 
     def carry_out(self, request: Request) -> Generator[Message, Any, None]:
-        """Carry out a request, and yield the messages that answer it.
-
-        Raises:
-            ExecutorError: It cannot be carried out.
-        """
+        """Carry out a request, and yield the messages that answer it."""
         match request:
             case Examine():
                 yield self._nodes.examine(request)
@@ -78,12 +74,7 @@ class ClusterSession:
 
 
 def shipments_of(jobs: Iterable[Job]) -> dict[Path, Shipment]:
-    """Put the files of all submissions of some jobs into the cluster's object store, each once.
-
-    Raises:
-        ExecutorError: A submission was changed since it was loaded.
-        UserError: One is too large.
-    """
+    """Put each submission's files into the cluster's object store; refuse changed and too large ones."""
     shipments: dict[Path, Shipment] = {}
     for one in {one.folder: one for job in jobs for one in job.submissions}.values():
         digest = folder_digest(one.folder)
@@ -103,12 +94,7 @@ class Called(NamedTuple):
 
 
 class Calls:
-    """Calls a function with items, each on one core of a node.
-
-    Args:
-        function: A function of a module.
-        at_once: How many calls at once, at most.
-    """
+    """Calls a function of a module with items, each on one core of a node."""
 
     def __init__(self, nodes: ClusterNodes, function: Callable[[Any], Any], at_once: int) -> None:
         self._nodes = nodes
@@ -117,11 +103,7 @@ class Calls:
         self._called: dict[Any, Called] = {}  # by the reference to the value
 
     def run(self) -> Generator[Message, Any, None]:
-        """Ask for items, and yield the values as they arrive.
-
-        Raises:
-            ExecutorError: The function failed, or all nodes were lost.
-        """
+        """Ask for items, and yield values as they come; ExecutorError if a call fails or no node is left."""
         number, more = 0, True
         while more or self._called:
             while more and (node := self._free_node()) is not None:

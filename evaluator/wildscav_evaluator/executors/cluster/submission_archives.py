@@ -22,12 +22,7 @@ KEPT = "shipped-submissions"  # the folder in a node's cache
 
 
 def pack(folder: Path) -> bytes:
-    """Return an archive of a submission's files.
-
-    Raises:
-        UserError: They are too large to be sent to other machines.
-        OSError: A file cannot be read.
-    """
+    """Return an archive of a submission's files; UserError if they are too large to be sent."""
     size = sum(path.stat().st_size for path in submission_files(folder))
     if size > LARGEST_CONTENT:
         raise UserError(
@@ -43,13 +38,7 @@ def pack(folder: Path) -> bytes:
 def arrived(archive: bytes, digest: str) -> Path:
     """Return a folder with the content of an archive, from this machine's cache if it is there unchanged.
 
-    Args:
-        archive: What ``pack`` returned.
-        digest: The digest of the folder that was packed.
-
-    Raises:
-        SubmissionError: The content has another digest.
-        OSError: It cannot be unpacked.
+    SubmissionError if it has another digest than the folder that was packed.
     """
     target = cache_folder(KEPT) / digest
     if not is_kept(target):

@@ -27,22 +27,14 @@ ONE_THREAD = dict.fromkeys(
 
 
 def signal_of(code: int) -> int:
-    """Return the signal that an exit code stands for; 0 if none.
-
-    Args:
-        code: As Python reports it (negative for a signal), or as shells and containers do.
-    """
+    """Return the signal that an exit code of Python (negative) or of shells stands for; 0 if none."""
     if code < 0:
         return -code
     return code - SIGNALLED if SIGNALLED < code <= SIGNALLED + LAST_SIGNAL else 0
 
 
 def agent_variables(launch: Launch, address: str) -> dict[str, str]:
-    """Return the environment variables that every agent gets.
-
-    Args:
-        address: The address of the match server, as the agent sees it.
-    """
+    """Return the environment variables that every agent gets; ``address`` is as the agent sees it."""
     # A sandbox that hides the machine's paths has another address of the match, too.
     model = launch.model if address == launch.address else host_python.MODEL
     return {
@@ -168,12 +160,7 @@ async def start_process(
 ) -> AgentProcess:
     """Start a process in its own session, with its output going to the launch's log.
 
-    Args:
-        environment: All of its environment variables.
-        pass_fds: File descriptors that stay open for it.
-
-    Raises:
-        OSError: It could not be started; the handle is released.
+    The environment has all of its variables. OSError if it could not be started; the handle is released.
     """
     # Our own pipe: with asyncio's, `wait` would wait for every child that holds it open.
     ours, theirs = os.pipe()

@@ -13,12 +13,7 @@ CUT = "[the log is cut here]"
 
 
 class CappedLog:
-    """Copies a stream to a file up to a limit, then reads on slowly, so that the writer is not blocked.
-
-    Args:
-        path: The file; output is appended to it.
-        limit: The number of bytes to keep.
-    """
+    """Appends a stream to a file up to a limit, bytes; then reads on slowly, to block no writer."""
 
     def __init__(self, path: Path, limit: int) -> None:
         self._path, self._left = path, limit
@@ -29,14 +24,12 @@ class CappedLog:
         while chunk := await stream.read(CHUNK):
             self._tail = (self._tail + chunk)[-TAIL:]
             if self._left > 0:
-                self._keep(chunk[: self._left])
+                kept = chunk[: self._left]
+                self._left -= len(kept) if self._append(kept) else self._left
+                if self._left == 0:
+                    self._append(f"\n{CUT}\n".encode())
             else:
                 await asyncio.sleep(DISCARD_DELAY)
-
-    def _keep(self, chunk: bytes) -> None:
-        self._left -= len(chunk) if self._append(chunk) else self._left
-        if self._left == 0:
-            self._append(f"\n{CUT}\n".encode())
 
     def lines(self) -> list[str]:
         """Return the last lines, as far as they are in memory."""

@@ -58,21 +58,13 @@ def host_runtime() -> Runtime:
 
 
 def sockets(address: str, model: str | None) -> dict[Path, Path]:
-    """Return the sockets that an agent gets, by their path in the sandbox: the match's, and the model's.
-
-    Raises:
-        ValueError: One is another kind of address.
-    """
+    """Return the sockets that an agent gets, by their path in the sandbox: the match's, and the model's."""
     addresses = {SOCKET: address} | ({} if model is None else {MODEL_SOCKET: model})
     return {there: socket_path(one) for there, one in addresses.items()}
 
 
 def socket_path(address: str) -> Path:
-    """Return the path of a unix socket's address.
-
-    Raises:
-        ValueError: It is another kind of address, which a sandbox without a network cannot reach.
-    """
+    """Return the path of a unix socket's address; ValueError if it is of another kind."""
     if not address.startswith("unix:"):
         raise ValueError(f"address is {address!r}: a sandboxed agent has no network, only a unix socket")
     return Path(address.removeprefix("unix:").removeprefix("//"))

@@ -29,8 +29,7 @@ class Frame(NamedTuple):
 def last_words(lines: Sequence[str], folders: Sequence[Path]) -> str:
     """Return the last exception in the output and where it was raised; without one, the last line, if any.
 
-    Args:
-        folders: The folders of the agent's code; a place outside them is named only if no frame is inside.
+    A place outside the folders of the agent's code is named only if no frame is inside.
     """
     starts = [number for number, line in enumerate(lines) if line.startswith(EXCEPTION) or _unread(line)]
     if starts:
@@ -50,11 +49,7 @@ def _where(frames: Sequence[Frame], folders: Sequence[Path]) -> str:
 
 
 def overdue_stack(lines: Sequence[str], folders: Sequence[Path]) -> str:
-    """Return where the agent's code was when its time was up, in a few words; an empty text if not printed.
-
-    Args:
-        folders: The folders of the agent's code.
-    """
+    """Return where the agent's code was when its time was up, in a few words; an empty text if unknown."""
     starts = [number for number, line in enumerate(lines) if TIME_IS_UP.fullmatch(line)]
     if not starts:
         return ""

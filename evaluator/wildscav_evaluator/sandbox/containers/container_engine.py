@@ -11,6 +11,7 @@ import subprocess
 import tarfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +42,7 @@ class ContainerEngine:
         return (self.name, *self.options)
 
     async def run(self, *arguments: str, environment: Mapping[str, str] | None = None) -> str:
-        """Run a command of the engine and return what it prints.
-
-        Raises:
-            SandboxError: It failed; the message says how.
-        """
+        """Run a command of the engine and return what it prints; SandboxError if it failed."""
         process = await asyncio.create_subprocess_exec(
             *self.command,
             *arguments,
@@ -76,8 +73,7 @@ def last_line(output: bytes) -> str:
 def find_engine() -> ContainerEngine:
     """Return the engine that works on this machine, or the one that WILDSCAV_ENGINE names.
 
-    Raises:
-        SandboxError: None works; the message says what each lacks.
+    SandboxError, which says what each lacks, if none works.
     """
     return _find(*(os.environ.get(name, "") for name in (CHOICE, "DOCKER_HOST", "PATH")))
 
@@ -136,11 +132,7 @@ def has_cgroup_v1() -> bool:
 def call(
     engine: ContainerEngine, *arguments: str, content: bytes | None = None
 ) -> "subprocess.CompletedProcess[bytes]":
-    """Run a command of the engine and wait for it.
-
-    Raises:
-        SandboxError: It takes too long.
-    """
+    """Run a command of the engine and wait for it; SandboxError if it takes too long."""
     try:
         return subprocess.run(
             [*engine.command, *arguments],
@@ -156,11 +148,7 @@ def call(
 
 @functools.cache
 def bare_image(engine: ContainerEngine, folders: Sequence[str], links: tuple[tuple[str, str], ...]) -> str:
-    """Return an image with only empty folders and links, which is created if it does not exist.
-
-    Raises:
-        SandboxError: It could not be created.
-    """
+    """Return an image with only empty folders and links, which is created if it does not exist."""
     content = io.BytesIO()
     with tarfile.open(fileobj=content, mode="w") as archive:
         for path in folders:
@@ -171,7 +159,7 @@ def bare_image(engine: ContainerEngine, folders: Sequence[str], links: tuple[tup
             entry = tarfile.TarInfo(path.lstrip("/"))
             entry.type, entry.linkname = tarfile.SYMTYPE, target
             archive.addfile(entry)
-    name = f"{BARE}:{_digest(content.getvalue())}"
+    name = f"{BARE}:{blake2b(content.getvalue(), digest_size=8).hexdigest()}"
     if call(engine, "image", "inspect", name).returncode == 0:
         return name
     imported = call(engine, "import", "-", name, content=content.getvalue())
@@ -182,11 +170,7 @@ def bare_image(engine: ContainerEngine, folders: Sequence[str], links: tuple[tup
 
 @functools.cache
 def image_command(engine: ContainerEngine, image: str) -> tuple[str, ...]:
-    """Return the command that an image runs by default.
-
-    Raises:
-        UserError: It has none, or there is no such image.
-    """
+    """Return the command that an image runs by default; UserError if it has none."""
     settings = image_settings(engine, image)
     command = (*(settings.get("Entrypoint") or ()), *(settings.get("Cmd") or ()))
     if not command:
@@ -195,27 +179,13 @@ def image_command(engine: ContainerEngine, image: str) -> tuple[str, ...]:
 
 
 def image_settings(engine: ContainerEngine, image: str) -> dict[str, Any]:
-    """Return the settings with which an image is run.
-
-    Raises:
-        SandboxError: There is no such image.
-    """
+    """Return the settings with which an image is run."""
     settings: dict[str, Any] = _ask(engine, "image", "inspect", "--format", "{{json .Config}}", image)
     return settings
 
 
-def _digest(content: bytes) -> str:
-    import hashlib
-
-    return hashlib.blake2b(content, digest_size=8).hexdigest()
-
-
 def processes_of(identity: str) -> list[int]:
-    """Return the processes of a container on this machine, by the names of their control groups.
-
-    Args:
-        identity: The identity that the engine gave the container.
-    """
+    """Return the processes of a container on this machine, by the names of their control groups."""
     return [process for process in all_processes() if is_in_container(process, identity)]
 
 

@@ -36,11 +36,7 @@ def enter_container(engine: ContainerEngine, name: str) -> None:
 
 
 def enter_processes(engine: ContainerEngine, identity: str) -> None:
-    """Enter the processes of a created container in that list, before it is started.
-
-    Args:
-        identity: The identity that the engine gave the container.
-    """
+    """Enter the processes of a created container in that list, before it is started."""
     if engine.name == "podman":  # no command can take a container away from Docker's daemon
         leftovers.claim(PROCESSES, _entry(engine, identity))
 
@@ -62,11 +58,7 @@ def removal(engine: ContainerEngine, name: str) -> tuple[str, ...]:
 
 
 def remove_left_container(entry: str) -> None:
-    """Remove a container that was entered in the list of a dead owner.
-
-    Raises:
-        OSError: It may still exist.
-    """
+    """Remove a container that was entered in the list of a dead owner; OSError if it may still exist."""
     engine, name = _engine_and_name(entry)
     _wait_for_creation(name)
     now = time.monotonic()
@@ -83,13 +75,9 @@ def _engine_and_name(entry: str) -> tuple[ContainerEngine, str]:
 
 
 def _is_removed(engine: ContainerEngine, name: str, settled: float) -> bool:
-    """Remove a container, and return whether it is gone for good.
+    """Remove a container, and return whether it is gone for good; OSError if it cannot be removed.
 
-    Args:
-        settled: The time (by the monotonic clock) until which a missing container may still be created.
-
-    Raises:
-        OSError: It cannot be removed.
+    Until it is ``settled``, by the monotonic clock, a missing container may still be created.
     """
     try:
         removed = call(engine, *removal(engine, name))
@@ -119,9 +107,7 @@ def kill_left_processes(entry: str) -> None:
 
     If ``podman start`` is killed before it has noted that the container runs, Podman removes the container
     but leaves its processes running. The OCI runtime still knows them. Podman's monitor ends with them.
-
-    Raises:
-        OSError: Some may still run.
+    OSError if some may still run.
     """
     engine, identity = _engine_and_name(entry)
     end, delete = time.monotonic() + DYING_TIME, _deletion(engine, identity)
@@ -135,11 +121,7 @@ def kill_left_processes(entry: str) -> None:
 
 
 def _deletion(engine: ContainerEngine, identity: str) -> list[str]:
-    """Return the command by which the OCI runtime kills and forgets a container.
-
-    Raises:
-        OSError: The engine does not tell its runtime.
-    """
+    """Return the command by which the OCI runtime kills and forgets a container."""
     # Without root, containers live in a namespace of users that only Podman can enter.
     prefix = () if os.getuid() == 0 else (*engine.command, "unshare")
     try:
@@ -150,11 +132,7 @@ def _deletion(engine: ContainerEngine, identity: str) -> list[str]:
 
 
 def _succeeds(command: list[str]) -> bool:
-    """Run a command, and return whether it succeeds.
-
-    Raises:
-        OSError: It cannot be run, or takes too long.
-    """
+    """Run a command, and return whether it succeeds; OSError if it cannot be run, or takes too long."""
     try:
         return (
             subprocess.run(command, capture_output=True, check=False, timeout=COMMAND_TIMEOUT).returncode == 0
@@ -183,10 +161,8 @@ def start_reaper(process: int) -> None:
     """Start a process that waits for the end of this one, and removes what it leaves behind if it is killed.
 
     Containers belong to the engine, so they would outlive a killed process until the next command. The reaper
-    is in its own session and not a child of this process, so that it is not killed together with it.
-
-    Args:
-        process: The number of this process, so that the cache starts one reaper per process.
+    is in its own session and not a child of this process, so that it is not killed together with it. The
+    cache starts one reaper for each ``process``, which is the number of this one.
     """
     del process
     program = "import wildscav_evaluator.sandbox; from wildscav_server import leftovers; leftovers.sweep()"

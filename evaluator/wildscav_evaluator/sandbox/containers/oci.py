@@ -219,8 +219,7 @@ def _with_wall_clock(
 ) -> tuple[list[str], list[str]]:
     """Return the options that enforce a container's wall clock, and the command in it.
 
-    Args:
-        command: The command in the image; empty for the image's own.
+    An empty command is the image's own.
     """
     seconds = launch.lasts
     if engine.name == "podman":
@@ -320,11 +319,7 @@ def _copied_guard(folder: Path) -> dict[Path, Path]:
 
 
 def _plain(path: Path) -> str:
-    """Return a path in the form that mount options accept.
-
-    Raises:
-        SandboxError: They do not accept it.
-    """
+    """Return a path in the form that mount options accept; SandboxError if they do not accept it."""
     if any(character in str(path) for character in ',"\n'):
         raise SandboxError(f"{path}: containers cannot mount a path with commas, quotes or line breaks")
     return str(path)

@@ -33,11 +33,7 @@ def podman_options(seconds: float) -> list[str]:
 
 
 def guard_files() -> Mapping[Path, Path]:
-    """Return the files that a guarded container of Docker needs, by their path in the container.
-
-    Raises:
-        SandboxError: This machine does not have them.
-    """
+    """Return the files that a guarded container of Docker needs, by their path in the container."""
     timeout, env, init = shutil.which("timeout"), shutil.which("env"), _find_init()
     if timeout is None or env is None or init is None:
         missing = "docker-init (package tini)" if init is None else "timeout or env (package coreutils)"
@@ -63,11 +59,9 @@ def without(variables: Sequence[str]) -> list[str]:
 
 
 def guarded(command: Sequence[str], seconds: float, variables: Sequence[str] = ()) -> list[str]:
-    """Return a command that Docker runs for a limited time, under an init process that reaps orphans.
+    """Return a command that Docker runs for some seconds, under an init process that reaps orphans.
 
-    Args:
-        seconds: How long it may run, s.
-        variables: Variables ("NAME=value") that the command gets but the guard does not.
+    The command gets the variables ("NAME=value"), and the guard does not.
     """
     loader = next(path for path in guard_files() if _is_loader(path.name))
     run = [str(loader), "--library-path", str(GUARD)]

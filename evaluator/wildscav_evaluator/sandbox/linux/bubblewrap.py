@@ -119,11 +119,7 @@ class CgroupHandle:
 
 
 async def _await_start(agent: AgentProcess, handle: CgroupHandle) -> None:
-    """Wait until bubblewrap has become the agent.
-
-    Raises:
-        SandboxError: It could not.
-    """
+    """Wait until bubblewrap has become the agent; SandboxError if it could not."""
     if handle.status is not None and b'"child-pid"' in await asyncio.to_thread(os.read, handle.status, 4096):
         return
     ending = await agent.ended()

@@ -102,13 +102,9 @@ class Version2:
 
 
 class AgentGroup:
-    """The group of one agent: one folder per controller that has its own hierarchy.
+    """The group of one agent: one folder per controller that has its own hierarchy, as the version has it.
 
-    Args:
-        version: Where groups are created.
-
-    Raises:
-        SandboxError: A limit could not be set.
+    SandboxError if a limit could not be set.
     """
 
     def __init__(self, version: Version1 | Version2, limits: Limits) -> None:
@@ -153,8 +149,7 @@ class AgentGroup:
 class CountedGroup:
     """A group's counters of processor time. See ``processor_waits.Group``.
 
-    Args:
-        folders: Its folders by controller, as in ``Version1.parents`` or ``Version2.parents``.
+    The folders are by controller, as in ``Version1.parents`` or ``Version2.parents``.
     """
 
     def __init__(self, folders: Mapping[str, Path]) -> None:
@@ -198,11 +193,7 @@ def meter_of(group: CountedGroup | None) -> GroupMeter | None:
 
 
 def remove_left_group(entry: str) -> None:
-    """Remove a group that was entered in the list of a dead owner, and kill its processes.
-
-    Raises:
-        OSError: It still exists.
-    """
+    """Remove a group that was entered in the list of a dead owner, and kill its processes."""
     folders = [Path(folder) for folder in json.loads(entry)]
     for folder in folders:
         _kill(folder)
@@ -214,11 +205,7 @@ leftovers.register(KIND, remove_left_group)
 
 
 def find_version() -> Version1 | Version2:
-    """Return where groups can be created.
-
-    Raises:
-        SandboxError: Nowhere; the message says why.
-    """
+    """Return where groups can be created; SandboxError, which says why, if nowhere."""
     mounts = _mounts()
     paths = _paths_of(OWN)
     version: Version1 | Version2

@@ -21,8 +21,7 @@ KILL = re.compile(rb"oom-kill:.*,(?:oom_memcg=(?P<short>[^,]*)|global_oom),task_
 def logged_kill(container: str) -> MemoryKill | None:
     """Return whose memory ran out when processes of a container were killed; None if the log is unreadable.
 
-    Args:
-        container: The container's identity, which is in the names of its control groups.
+    The container's identity is in the names of its control groups.
     """
     try:
         kills = {MemoryKill.NONE, *(read_kill(record, container) for record in _records())}
@@ -40,11 +39,7 @@ def read_kill(record: bytes, container: str) -> MemoryKill:
 
 
 def _records() -> Iterator[bytes]:
-    """Yield the records of the log.
-
-    Raises:
-        OSError: It does not exist, or may not be read.
-    """
+    """Yield the records of the log; OSError if it does not exist, or may not be read."""
     log = os.open(LOG, os.O_RDONLY | os.O_NONBLOCK)
     try:
         while True:

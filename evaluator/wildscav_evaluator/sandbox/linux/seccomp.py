@@ -79,8 +79,7 @@ REFUSED = frozenset(_REFUSED.split())
 def container_profile(*, locks: bool) -> dict[str, Any]:
     """Return the policy in the format of Docker and Podman.
 
-    Args:
-        locks: Whether the agent may lock files, which is safe if it shares no files.
+    An agent may lock files (``locks``) if it shares none.
     """
     allow, refuse = "SCMP_ACT_ALLOW", "SCMP_ACT_ERRNO"
     rules: list[dict[str, Any]] = [
@@ -122,11 +121,7 @@ def _masked(index: int, mask: int, value: int) -> dict[str, Any]:
 
 @functools.cache
 def bpf_filter() -> bytes:
-    """Return the policy as a BPF program for the kernel, without file locks.
-
-    Raises:
-        SandboxError: libseccomp is not installed.
-    """
+    """Return the policy as a BPF program, without file locks; SandboxError without libseccomp."""
     try:
         import pyseccomp as library
     except (ImportError, RuntimeError, OSError) as error:

@@ -22,6 +22,12 @@ export interface StageOptions {
   over?(renderer: WebGLRenderer): void; // draws over each picture
 }
 
+// Where a person has moved the cameras that nobody is followed by.
+export interface CameraPlace {
+  above: number[]; // of the view from above: x and z in its middle, and how much is seen across, m
+  free?: number[]; // x and z that it looks at, m; yaw and pitch, degrees; distance, m; of a stage that draws in 3D
+}
+
 export interface Stage {
   readonly kinds: ViewKind[]; // of views that it can show
   view: View;
@@ -34,6 +40,7 @@ export interface Stage {
   // Draw a moment of the match; frame need not be whole. A person who drags, scrolls or presses arrows on the canvas
   // moves the camera of a free view, or the view from above; the stage listens to that, the player then draws again.
   draw(frame: number): void;
+  camera?: CameraPlace; // of a stage on which a person can move one
   // Come nearer (above 1) or go away, for people without a wheel; where the present view can.
   zoom?(factor: number): void;
   resize(width: number, height: number, pixelRatio: number): void;

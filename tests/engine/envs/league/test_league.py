@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -9,7 +10,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from tests.engine.envs.common import digest, env_id, options
+from gymnasium.vector import AutoresetMode
+from tests.engine.envs.common import batch_of, digest, env_id, options
 
 from wildscav_engine.envs import BatchedArena, League, PolicyOpponent, Sampler, SingleEnv, VectorArena
 from wildscav_engine.envs.league import LeagueError
@@ -66,9 +68,8 @@ def test_the_win_rate_decides_how_often_an_opponent_is_chosen(weighting: Any, wa
 def test_a_league_chooses_under_the_most_extreme_settings(games: float, extreme: dict[str, Any]) -> None:
     league = league_of("a", "b", robots=("walker", "fighter"), **{**ALONE, **extreme})
     won = {"recent": games, "recent_score": games}
-    table = league.table.model_copy(
-        update={"members": tuple(one.model_copy(update=won) for one in league.table.members)}
-    )
+    members = tuple(one.model_copy(update=won) for one in league.table.members)
+    table = league.table.model_copy(update={"members": members})
     chances = League.of(table, league.sources).probabilities()
     assert min(chances.values()) >= 0.0
     assert sum(chances.values()) == pytest.approx(1.0)
@@ -132,9 +133,7 @@ def test_an_environment_records_the_results_of_its_episodes(carried: int) -> Non
     for episode in range(1, 3):
         vector.reset(seed=episode)
         for step in range(4):
-            assert vector.arena.batch is not None
-            vector.arena.batch.state.agents.supplies[:] = 0
-            vector.arena.batch.state.agents.supplies[:, :2] = (3, carried), (3, carried)
+            batch_of(vector).state.agents.supplies[:] = 3, carried, 0, 0
             assert league.results["a"].games == 4 * (episode - 1), step
             vector.step(np.tile(IDLE, (2, 1)))
         results = league.results["a"]
@@ -143,15 +142,35 @@ def test_an_environment_records_the_results_of_its_episodes(carried: int) -> Non
         assert (results.wins - 2 * episode, results.draws, results.losses) == tuple(against_first)
 
 
-def test_a_result_counts_once_also_while_its_match_waits_for_a_reset() -> None:
+def by_gymnasium(**more: Any) -> Any:
+    return gymnasium.make(env_id("battle"), **more)
+
+
+def vector_by_gymnasium(**more: Any) -> Any:
+    return gymnasium.make_vec(env_id("battle"), 2, vectorization_mode="vector_entry_point", **more)
+
+
+@pytest.mark.parametrize(
+    ("make", "shape", "games"),
+    [
+        (by_gymnasium, (8,), 1),  # Gymnasium passes on the very league
+        (vector_by_gymnasium, (2, 8), 2),
+        # While a match waits for a reset, its result counts once.
+        (partial(VectorArena, "battle", 2, autoreset_mode="Disabled"), (2, 8), 2),
+        # Several learners of one team have one result: against the pair, and against the third.
+        (partial(BatchedArena, "battle", 1, agents=3, teams=(0, 0, 1, 2)), (1, 3, 8), 2),
+    ],
+)
+def test_each_match_has_a_result_for_each_team_of_learners(make: Any, shape: Any, games: int) -> None:
     league = league_of("a", latest_share=1.0, robot_share=0.0)
-    vector = VectorArena("battle", 2, autoreset_mode="Disabled", **battle(opponents=(league,)))
-    vector.reset(seed=0)
+    env = make(**battle(opponents=(league,)))
+    env.reset(seed=0)
     for _ in range(4):
-        vector.step(np.tile(IDLE, (2, 1)))
-    for _ in range(3):
-        vector.reset(options={"reset_mask": np.array([True, False])})
-    assert league.results["a"].games == 2
+        env.step(np.zeros(shape, np.float32))
+    if getattr(env, "autoreset_mode", None) == AutoresetMode.DISABLED:
+        for _ in range(3):
+            env.reset(options={"reset_mask": np.array([True, False])})
+    assert league.results["a"].games == games
 
 
 def test_each_policy_is_called_once_per_step_for_all_its_seats() -> None:
@@ -171,8 +190,7 @@ def test_each_policy_is_called_once_per_step_for_all_its_seats() -> None:
     vector.reset(seed=0)
     seats = Counter()
     for _ in range(15):
-        assert vector.arena.batch is not None
-        asked = [spec.seats[1:].count("submission") for spec in vector.arena.batch.specs]
+        asked = [spec.seats[1:].count("submission") for spec in batch_of(vector).specs]
         ended = vector._autoreset.ended.copy()
         calls.clear()
         vector.step(np.tile(IDLE, (16, 1)))
@@ -184,48 +202,16 @@ def test_each_policy_is_called_once_per_step_for_all_its_seats() -> None:
 
 
 def test_the_same_seed_and_table_give_the_same_episodes_in_rows_and_single_environments() -> None:
-    def opposing() -> tuple[League, ...]:
-        league = league_of("a", robots=("walker", "fighter"), robot_share=0.5)
-        return (league,) * 2
-
-    def told(env: Any, steps: Any) -> list[Any]:
-        return [digest(env.step(action)[0]) for action in steps]
-
-    vector = VectorArena("battle", 3, **battle(opponents=opposing()))
-    vector.reset(seed=4)
-    single = SingleEnv("battle", **battle(opponents=opposing()))
-    single.reset(seed=6)
-    assert vector.arena.batch is not None
-    assert single.arena.batch is not None
-    assert vector.arena.batch.specs[2] == single.arena.batch.specs[0]
-    for _ in range(3):
-        rows, *_ = vector.step(np.tile(IDLE, (3, 1)))
-        row, *_ = single.step(IDLE)
-        assert digest(rows[2].copy()) == digest(row)
-
-
-def test_gymnasium_passes_on_the_very_league() -> None:
-    league = league_of("a", latest_share=1.0, robot_share=0.0)
-    env = gymnasium.make(env_id("battle"), **battle(opponents=(league,)))
-    many = gymnasium.make_vec(
-        env_id("battle"), 2, vectorization_mode="vector_entry_point", **battle(opponents=(league,))
+    leagues = (league_of("a", robots=("walker", "fighter"), robot_share=0.5) for _ in range(2))
+    vector, single = (
+        make("battle", **battle(opponents=(league,) * 2))
+        for make, league in zip((partial(VectorArena, num_envs=3), SingleEnv), leagues, strict=True)
     )
-    env.reset(seed=0)
-    many.reset(seed=0)
-    for _ in range(4):
-        env.step(IDLE)
-        many.step(np.tile(IDLE, (2, 1)))
-    assert league.results["a"].games == 3
-
-
-def test_several_learners_of_one_team_have_one_result() -> None:
-    league = league_of("a", latest_share=1.0, robot_share=0.0)
-    chosen = battle(opponents=(league,), agents=3, teams=(0, 0, 1, 2))
-    batch = BatchedArena("battle", 1, **chosen)
-    batch.reset(seed=0)
-    for _ in range(4):
-        batch.step(np.zeros((1, 3, 8), np.float32))
-    assert league.results["a"].games == 2  # against the pair, and against the third
+    vector.reset(seed=4)
+    single.reset(seed=6)
+    assert batch_of(vector).specs[2] == batch_of(single).specs[0]
+    for _ in range(3):
+        assert digest(vector.step(np.tile(IDLE, (3, 1)))[0][2].copy()) == digest(single.step(IDLE)[0])
 
 
 def test_a_state_continues_against_the_same_members_and_does_not_count() -> None:
@@ -233,11 +219,10 @@ def test_a_state_continues_against_the_same_members_and_does_not_count() -> None
     env = SingleEnv("battle", **battle(opponents=(league,) * 4))
     env.reset(seed=1)
     state = env.get_state()
-    assert env.arena.batch is not None
-    names, seats = env.arena.opponents.names(0), env.arena.batch.specs[0].seats
+    names, seats = env.arena.opponents.names(0), batch_of(env).specs[0].seats
     env.reset()
     env.set_state(state)
-    assert (env.arena.opponents.names(0), env.arena.batch.specs[0].seats) == (names, seats)
+    assert (env.arena.opponents.names(0), batch_of(env).specs[0].seats) == (names, seats)
     for _ in range(4):
         env.step(IDLE)
     assert sum(results.games for results in league.results.values()) == 0

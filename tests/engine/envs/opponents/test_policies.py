@@ -10,7 +10,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv
 from pettingzoo.test import parallel_api_test, parallel_seed_test
-from tests.engine.envs.common import digest, env_id, many_options, options
+from tests.engine.envs.common import batch_of, digest, env_id, many_options, options, play_alike
 
 from wildscav_engine.envs import BatchedArena, PolicyOpponent, SingleEnv, VectorArena, parallel_env
 from wildscav_engine.envs.spaces.actions import ActionError
@@ -90,11 +90,8 @@ def test_a_policy_observes_and_does_what_a_learner_in_its_seat_would(flat: bool)
             (told,) = witness.told[asked:]
             assert digest(told) == digest(_seats(theirs, [1, 3]))
         flattened[:, 2] = IDLE
-        everybody, learners = batch.arena.batch, vector.arena.batch
-        assert everybody is not None
-        assert learners is not None
-        everybody.state.agents.robot[:] = learners.state.agents.robot
-        everybody._has_robots = True
+        batch_of(batch).state.agents.robot[:] = batch_of(vector).state.agents.robot
+        batch_of(batch)._has_robots = True
         theirs = batch.step(flattened).observation
 
 
@@ -117,21 +114,10 @@ def _seat(observation: Any, seat: int) -> Any:
 @pytest.mark.parametrize("mode", AutoresetMode)
 @pytest.mark.parametrize("track", ["battle", "royale"])
 def test_rows_are_single_environments_in_every_autoreset_mode(track: str, mode: AutoresetMode) -> None:
-    chosen = options(
-        track, sensors=SENSORS, action_mode="multidiscrete", time_limit=0.8, opponents=(wander, "fighter")
-    )
+    made: dict[str, Any] = {"sensors": SENSORS, "action_mode": "multidiscrete", "time_limit": 0.8}
+    chosen = options(track, **made, opponents=(wander, "fighter"))
     ours = VectorArena(track, 3, autoreset_mode=mode, **chosen)
-    theirs = SyncVectorEnv([lambda: SingleEnv(track, **chosen)] * 3, autoreset_mode=mode)
-    assert digest(ours.reset(seed=5)) == digest(theirs.reset(seed=5))
-    ours.action_space.seed(1)
-    for _ in range(20):
-        actions = ours.action_space.sample()
-        one, other = ours.step(actions), theirs.step(actions)
-        assert digest(one) == digest(other)
-        ended = one[2] | one[3]
-        if mode == AutoresetMode.DISABLED and ended.any():
-            resets = [env.reset(options={"reset_mask": ended.copy()}) for env in (ours, theirs)]
-            assert digest(resets[0]) == digest(resets[1])
+    play_alike(ours, SyncVectorEnv([lambda: SingleEnv(track, **chosen)] * 3, autoreset_mode=mode))
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
@@ -192,24 +178,20 @@ def test_teammates_may_be_policies_and_the_dead_are_asked_too() -> None:
     chosen = options("royale", sensors={}, action_mode="multidiscrete", opponents=(witness, "walker"))
     env = SingleEnv("royale", teammates=(witness,), **chosen)
     env.reset(seed=0)
-    assert env.arena.batch is not None
-    assert env.arena.batch.specs[0].seats == ("submission", "submission", "submission", "walker")
-    assert env.arena.batch.specs[0].team_of_seats == (0, 0, 1, 2)
-    env.arena.batch.state.agents.damage[0, 2] = 1000
+    (spec,), agents = batch_of(env).specs, batch_of(env).state.agents
+    assert spec.seats == ("submission", "submission", "submission", "walker")
+    assert spec.team_of_seats == (0, 0, 1, 2)
+    agents.damage[0, 2] = 1000
     for _ in range(3):
         env.step(IDLE)
     assert [told["body"][:, 0].tolist() for told in witness.told] == [[1, 1], [1, 0], [1, 0]]
-    assert not env.arena.batch.state.agents.velocity[0, 2].any()
+    assert not agents.velocity[0, 2].any()
 
 
 def test_several_learners_may_have_policies_as_opponents() -> None:
-    env = parallel_env(
-        "battle", **many_options("battle", action_mode="multidiscrete", opponents=(wander, "walker"))
-    )
-    parallel_api_test(env, num_cycles=40)
-    chosen = many_options(
-        "battle", action_mode="baseline", sensors={}, opponents=(PolicyOpponent(_baseline),)
-    )
+    chosen = many_options("battle", action_mode="multidiscrete", opponents=(wander, "walker"))
+    parallel_api_test(parallel_env("battle", **chosen), num_cycles=40)
+    chosen = many_options("battle", action_mode="baseline", sensors={}, opponents=(_baseline,))
     parallel_seed_test(functools.partial(parallel_env, "battle", **chosen), num_cycles=20)
 
 
@@ -235,14 +217,9 @@ def test_gymnasiums_checker_finds_nothing_and_copies_play() -> None:
 @pytest.mark.parametrize(
     ("returned", "mode", "message"),
     [
-        (lambda n: np.zeros((n, 7), int), "multidiscrete", r"int64 of shape \(4, 7\), .* of shape \(4, 8\)"),
-        (lambda n: np.full((n, 8), 0.5), "multidiscrete", "actions: 0.5, must be whole numbers"),
         (lambda n: np.full((n, 8), 9), "multidiscrete", r"must be from 0 to \[8, 1"),
-        (lambda n: np.full((n, 8), np.nan), "box", r"actions: nan, must be in \[-1, 1\]"),
-        (lambda n: np.full((n, 8), 1.5), "box", r"actions: 1.5, must be in \[-1, 1\]"),
         (lambda _: None, "box", r"must be numbers of shape \(4, 8\)"),
-        (lambda n: [[0.0]] * (n - 1) + [[0.0, 1.0]], "box", "the opponent 'odd': "),
-        (lambda n: np.full(n, 0.5), "baseline", "must be whole numbers"),
+        (lambda n: [[0.0]] * (n - 1) + [[0.0, 1.0]], "box", ""),
         (lambda n: {"jump": np.zeros(n)}, "dict", "must be a dictionary of"),
     ],
 )
@@ -252,9 +229,8 @@ def test_what_is_no_action_is_refused_by_the_name_of_the_opponent(
     opponent = PolicyOpponent(lambda seen: returned(len(seen["time"])), name="odd", action_mode=mode)
     vector = VectorArena("battle", 2, **battle(opponents=(opponent,) * 2))
     vector.reset(seed=0)
-    with pytest.raises(ActionError, match=f"the opponent 'odd': .*{message}|{message}") as refused:
+    with pytest.raises(ActionError, match=f"^the opponent 'odd': .*{message}"):
         vector.step(np.tile(IDLE, (2, 1)))
-    assert str(refused.value).startswith("the opponent 'odd': ")
 
 
 @pytest.mark.parametrize(
@@ -264,10 +240,7 @@ def test_what_is_no_action_is_refused_by_the_name_of_the_opponent(
         (Memory, "Memory is a class, must be an object"),
         (lambda: None, r"must take \(observations\)"),
         (type("Half", (), {"act": lambda self, observations, rows: None})(), "Half.reset is missing"),
-        (
-            type("Agent", (), {"act": lambda self, one: None, "reset": lambda self, one: None})(),
-            r"Agent.reset must take \(rows, seeds\)",
-        ),
+        (type("Odd", (), dict.fromkeys(("act", "reset"), lambda self, one: None))(), r"take \(rows, seeds\)"),
         (PolicyOpponent(wander, sensors={"sonar": {}}), "the opponent 'wander': .*no sensor 'sonar'"),
     ],
 )
@@ -276,7 +249,7 @@ def test_what_cannot_play_is_refused(opponent: Any, message: str) -> None:
         SingleEnv("battle", **battle(opponents=(opponent,)))
 
 
-def test_a_state_continues_against_the_same_policies() -> None:
+def test_a_state_continues_against_the_same_policies_and_no_others() -> None:
     chosen = battle(opponents=(wander, "walker"), time_limit=3.0)
     env, other = SingleEnv("battle", **chosen), SingleEnv("battle", **chosen)
     env.reset(seed=3)
@@ -286,12 +259,6 @@ def test_a_state_continues_against_the_same_policies() -> None:
     other.set_state(state)
     for again in (fork, other):
         assert [digest(again.step(IDLE)) for _ in range(3)] == wanted
-
-
-def test_a_state_against_other_players_is_refused() -> None:
-    env = SingleEnv("battle", **battle(opponents=(wander, "walker")))
-    env.reset(seed=0)
-    state = env.get_state()
     for others, message in (
         (("walker", "walker"), r"other players \(wander, walker\) than here \(walker, walker\)"),
         ((Witness(), "walker"), "a match with 'wander' where 'witness' plays here"),

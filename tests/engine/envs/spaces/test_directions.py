@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tests.engine.envs.common import OPEN, TRACK_NAMES, digest, options
 
-from wildscav_engine.envs import FlatObservations, SingleEnv
+from wildscav_engine.envs import SingleEnv
 from wildscav_engine.envs.registry import env_id
 
 WAYS = {
@@ -88,26 +88,19 @@ def test_what_is_above_the_view_after_looking_down() -> None:
     assert observation["to_target"][5] == pytest.approx(1.0)  # the pitch does not matter for walking
 
 
-def test_nothing_is_told_of_what_is_not_in_sight() -> None:
-    places = ((0.0, 0.0, 0.0), (0.0, 0.0, -15.0))  # one behind the other's back
-    chosen = options("battle", sensors={}, version=1, map=OPEN, opponents=("walker",), starts=places)
+@pytest.mark.parametrize(
+    ("teammates", "spots", "told"),
+    [
+        (0, (-15.0,), [0.0, 0.0, 0.0]),  # it stands behind the learner's back
+        (0, (15.0,), [1.0, 1.0, np.log(16.0)]),
+        (1, (6.0, 15.0), [1.0, 1.0, np.log(16.0)]),  # nobody on one's own team is an enemy
+    ],
+)
+def test_the_way_to_the_nearest_enemy_in_sight(
+    teammates: int, spots: tuple[float, ...], told: list[float]
+) -> None:
+    starts = tuple((0.0, 0.0, z) for z in (0.0, *spots))
+    chosen = options("battle", sensors={}, version=1, map=OPEN, starts=starts)
+    chosen |= {"teammates": ("walker",) * teammates, "opponents": ("walker",)}
     observation, _ = SingleEnv("battle", **chosen).reset(seed=1)
-    assert not observation["to_enemy"].any()
-    seen = ((0.0, 0.0, 0.0), (0.0, 0.0, 15.0))
-    observation, _ = SingleEnv("battle", **(chosen | {"starts": seen})).reset(seed=1)
-    assert observation["to_enemy"][[0, 5]].tolist() == pytest.approx([1.0, 1.0])
-
-
-def test_nobody_on_ones_own_team_is_an_enemy() -> None:
-    places = ((0.0, 0.0, 0.0), (0.0, 0.0, 6.0), (0.0, 0.0, 15.0))
-    chosen = options("battle", sensors={}, version=1, map=OPEN, starts=places)
-    chosen |= {"teammates": ("walker",), "opponents": ("walker",)}
-    observation, _ = SingleEnv("battle", **chosen).reset(seed=1)
-    assert observation["to_enemy"][-1] == pytest.approx(np.log(16.0))
-
-
-def test_the_wrapper_makes_the_row_of_a_flat_environment_in_version_1_too() -> None:
-    chosen = options("battle", version=1)
-    flat, wrapped = SingleEnv("battle", flat=True, **chosen), FlatObservations(SingleEnv("battle", **chosen))
-    assert flat.observation_space == wrapped.observation_space
-    np.testing.assert_array_equal(flat.reset(seed=3)[0], wrapped.reset(seed=3)[0])
+    assert observation["to_enemy"][[0, 5, 8]].tolist() == pytest.approx(told)

@@ -2,12 +2,11 @@
 
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
-from tests.engine.envs.common import OPEN, env_id
+from tests.engine.envs.common import OPEN
 
-from wildscav_engine.envs import BatchedArena, FlatObservations, SingleEnv, parallel_env
+from wildscav_engine.envs import FlatObservations, SingleEnv, VectorArena, parallel_env
 from wildscav_engine.envs.spaces.columns import EVENTS
 
 SENSORS: dict[str, Any] = {"depth": {"width": 3, "height": 2}}
@@ -16,10 +15,8 @@ STEPS = 5  # half a second
 
 
 def test_a_row_holds_what_the_wrapper_makes_of_the_dict() -> None:
-    flat, wrapped = (
-        SingleEnv("navigation", flat=True, **SHORT),
-        FlatObservations(SingleEnv("navigation", **SHORT)),
-    )
+    flat = SingleEnv("navigation", flat=True, **SHORT)
+    wrapped = FlatObservations(SingleEnv("navigation", **SHORT))
     assert flat.observation_space == wrapped.observation_space
     assert flat.observation_space.shape == (3 + 3 + 6 + 3 + 2 + 8 + 9 + 3 * 2,)
     np.testing.assert_array_equal(flat.reset(seed=3)[0], wrapped.reset(seed=3)[0])
@@ -34,15 +31,8 @@ def test_a_row_holds_what_the_wrapper_makes_of_the_dict() -> None:
 
 
 def test_rows_of_a_vector_are_those_of_single_environments() -> None:
-    vector = gymnasium.make_vec(
-        env_id("navigation"),
-        num_envs=2,
-        vectorization_mode="vector_entry_point",
-        autoreset_mode="SameStep",
-        flat=True,
-        **SHORT,
-    )
-    singles = [SingleEnv("navigation", flat=True, version=1, **SHORT) for _ in range(2)]
+    vector = VectorArena("navigation", 2, autoreset_mode="SameStep", flat=True, **SHORT)
+    singles = [SingleEnv("navigation", flat=True, **SHORT) for _ in range(2)]
     rows, _ = vector.reset(seed=8)
     np.testing.assert_array_equal(rows, [env.reset(seed=8 + row)[0] for row, env in enumerate(singles)])
     actions = np.ones((2, 5), np.float32) * 0.7
@@ -67,14 +57,6 @@ def test_action_masks_of_several_are_rows_too(mode: str, mask: int | None) -> No
     observations, infos = env.reset(seed=1)
     assert env.observation_space("agent_1").contains(observations["agent_1"])
     assert np.shape(infos["agent_1"].get("action_mask")) == (() if mask is None else (mask,))
-
-
-def test_a_batch_of_several_learners_has_rows_by_match_and_learner() -> None:
-    arena = BatchedArena("gathering", 2, agents=3, flat=True, **SHORT)
-    observation = arena.reset(seed=1)
-    assert isinstance(observation, np.ndarray)
-    assert observation.shape[:2] == (2, 3)
-    assert arena.single_observation_space.contains(observation[1, 2])
 
 
 def test_a_dict_of_actions_may_hold_arrays_of_one_number() -> None:

@@ -7,14 +7,11 @@ import pytest
 from numpy.typing import NDArray
 from tests.builders import box, flat_world, map_from
 
-from wildscav_engine.geometry.rays import TERRAIN_HIT
 from wildscav_engine.geometry.world import Kind
-from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.cameras import Cameras
 from wildscav_engine.rendering.hits import Hits, allocate_hits
 from wildscav_engine.rendering.images import trace
-from wildscav_engine.rendering.shading.ground import COARSE, FINE, MEDIUM, write_ground
 from wildscav_engine.rendering.shading.light.ambient_occlusion import (
     LOOKED_AT,
     Around,
@@ -24,112 +21,40 @@ from wildscav_engine.rendering.shading.light.ambient_occlusion import (
     write_shares,
     write_tilts,
 )
-from wildscav_engine.rendering.shading.noise import noise, sharpness
 from wildscav_engine.rendering.shading.pixel_rows import (
     Channels,
-    Normals,
-    Places,
-    RayDirections,
     RowOfPixels,
     Tilts,
-    TracedRow,
+    Vectors,
     allocate_rows,
     allocate_texture_scratch,
     cosines_of,
-    footprint,
     view_of,
     write_directions,
-)
-from wildscav_engine.rendering.shading.sky import (
-    CLOUD,
-    CLOUDS_FROM,
-    CLOUDS_REACH,
-    CLOUDS_STEP,
-    CLOUDS_WIDTH,
-    DISC,
-    FLATTENED,
-    GLOW,
-    INTO_CLOUDS,
-    SUN_COLOR,
-    SUN_DIRECTION,
-    clouds,
-    write_sky,
 )
 from wildscav_engine.rendering.shading.surfaces import has_spots, write_spotted
 from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import ColorCamera
-from wildscav_engine.specs.map_spec import MapConfig
 
 Vector = tuple[float, float, float]
 CAMERA = ColorCamera(width=160, height=90)
 
 
 def traced(game_map: GameMap, eye: Vector, yaw: float, pitch: float) -> tuple[Cameras, Hits]:
-    cameras, hits = (
-        CAMERA._cameras([eye], [yaw], [pitch], None),
-        allocate_hits(1, CAMERA.height, CAMERA.width),
-    )
+    cameras = CAMERA._cameras([eye], [yaw], [pitch], None)
+    hits = allocate_hits(1, CAMERA.height, CAMERA.width)
     trace(game_map.scene, gather_solids([]), cameras, hits)
     return cameras, hits
 
 
-def empty_row() -> RowOfPixels:
-    rows = iter(allocate_rows(CAMERA.width))
-    ways, color, normal = (part(*islice(rows, 3)) for part in (RayDirections, Channels, Normals))
-    tilt, place = (part(*islice(rows, 3)) for part in (Tilts, Places))
-    return RowOfPixels(ways, color, normal, tilt, place, *rows)
-
-
 def row_of(cameras: Cameras, row: int) -> RowOfPixels:
-    pixels = empty_row()
+    rows = iter(allocate_rows(CAMERA.width))
+    kinds = Vectors, Channels, Vectors, Tilts, Vectors  # rays, colours, normals, planes and places
+    pixels = RowOfPixels(*(kind(*islice(rows, 3)) for kind in kinds), *rows)
     view = view_of(cameras, 0, CAMERA.height, CAMERA.width, 1)
     cosines = cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row]
     write_directions(view, row, np.arange(CAMERA.width, dtype=np.int32), cosines, pixels.ways)
     return pixels
-
-
-def at_corners(ground: NDArray[np.float32], place: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (6,) the colour and the normal at a place, between those of the corners of its cell."""
-    column, row = (place[[0, 2]] + 30.0) / 2.0
-    shares = [np.array([1.0 - at % 1.0, at % 1.0]) for at in (row, column)]
-    corners = ground[int(row) :, int(column) :][:2, :2, :6].astype(float)
-    return np.asarray(np.einsum("r,c,rcx->x", *shares, corners))
-
-
-def grain_at(place: NDArray[np.float64], pixel: float) -> float:
-    """Return how bright the ground is at a place, where a pixel is so large."""
-    return 1.0 + sum(
-        strength * sharpness(size, pixel) * (noise(place[0] / size, place[2] / size) - 0.5)
-        for size, strength in (FINE, MEDIUM, COARSE)
-    )
-
-
-def test_ground_has_the_colour_and_normal_of_its_place() -> None:
-    game_map = generate_map(MapConfig(size=60, houses=0, vegetation=0.0, relief=1.0), 5)
-    world, ground = game_map.world, game_map.materials.surfaces.ground
-    eye = tuple(game_map.outdoor[0] + (0.0, 1.5, 0.0))
-    cameras, hits = traced(game_map, eye, 30.0, 20.0)
-    view = view_of(cameras, 0, CAMERA.height, CAMERA.width, 1)
-    compared = 0
-    for row in range(40, CAMERA.height, 7):
-        pixels, distances = row_of(cameras, row), hits.distance[0, row]
-        (shown,) = np.nonzero(hits.solid[0, row] == TERRAIN_HIT)
-        first, last = int(shown[0]), int(shown[-1]) + 1
-        pieces, image = np.zeros(CAMERA.width + 1, np.int32), Hits(*(part[0] for part in hits))
-        line = Hits(*(part[row] for part in image))
-        traced_row = TracedRow(view, image, row, line, pieces, 1, pixels)
-        write_ground(world, ground, traced_row, first, last, False, allocate_texture_scratch())
-        for column in range(first, last):
-            direction, distance = np.array([part[column] for part in pixels.ways], float), distances[column]
-            place = np.array(eye) + direction * distance
-            base, normal = np.split(at_corners(ground, place), 2)
-            normal /= np.linalg.norm(normal)
-            pixel = footprint(view, tuple(direction), float(distance), tuple(normal))
-            color = [float(part[column]) for part in pixels.color]
-            assert color == pytest.approx(base * grain_at(place, pixel), abs=0.2)
-            assert [float(part[column]) for part in pixels.normal] == pytest.approx(normal, abs=1e-3)
-            compared += 1
-    assert compared > 800
 
 
 def shares_at(
@@ -199,10 +124,10 @@ def spotted(kind: Kind, normal: Vector, columns: slice) -> NDArray[np.float32]:
     camera = CAMERA._cameras([(3.0, 1.5, -7.0)], [20.0], [5.0], None)
     view, pixels = view_of(camera, 0, CAMERA.height, CAMERA.width, 1), row_of(camera, 50)
     distances = np.linspace(3.0, 6.0, CAMERA.width, dtype=np.float32)[columns]
-    ways = RayDirections(*(part[columns] for part in pixels.ways))
+    ways = Vectors(*(part[columns] for part in pixels.ways))
     shown = np.empty((3, len(distances)), np.float32)
     scratch = allocate_texture_scratch()
-    normals = Normals(*(np.full(len(distances), part, np.float32) for part in normal))
+    normals = Vectors(*(np.full(len(distances), part, np.float32) for part in normal))
     write_spotted(kind, (200.0, 180.0, 90.0), normals, view, ways, distances, scratch, Channels(*shown))
     return shown.T
 
@@ -212,16 +137,13 @@ TOWARDS_EYE = (0.0, 0.0, -1.0)
 
 
 @pytest.mark.parametrize("kind", SPOTTED)
-def test_a_pixel_of_a_wall_or_plant_has_its_colour_whatever_is_computed_with_it(kind: Kind) -> None:
+def test_spots_change_how_bright_a_pixel_is_whatever_is_computed_with_it_but_not_its_colour(
+    kind: Kind,
+) -> None:
     assert has_spots(kind, TOWARDS_EYE)
     row = spotted(kind, TOWARDS_EYE, slice(0, CAMERA.width))
     for first, last in ((0, 1), (5, 8), (17, 50), (100, CAMERA.width)):
         assert (spotted(kind, TOWARDS_EYE, slice(first, last)) == row[first:last]).all()
-
-
-@pytest.mark.parametrize("kind", SPOTTED)
-def test_spots_change_how_bright_a_surface_is_but_not_its_colour(kind: Kind) -> None:
-    row = spotted(kind, TOWARDS_EYE, slice(0, CAMERA.width))
     bright = row[:, 0] / 200.0
     assert bright.std() > 0.01
     assert abs(bright.mean() - 1.0) < 0.15
@@ -232,23 +154,3 @@ def test_tiles_and_boards_are_drawn_one_by_one_but_flat_roofs_have_spots() -> No
     assert has_spots(Kind.ROOF, (0.0, 1.0, 0.0))
     assert not has_spots(Kind.ROOF, (0.0, 0.8, 0.6))
     assert not has_spots(Kind.FLOOR, (0.0, 1.0, 0.0))
-
-
-def test_the_sky_along_a_row_has_haze_clouds_and_the_sun_in_their_directions() -> None:
-    to_sun = float(np.degrees(np.arctan2(SUN_DIRECTION[0], SUN_DIRECTION[2])))
-    cameras = CAMERA._cameras([(0.0, 0.0, 0.0)], [to_sun], [-30.0], None)
-    for row in range(0, CAMERA.height, 4):
-        pixels, fog = row_of(cameras, row), np.empty(CAMERA.width, np.float32)
-        write_sky(pixels.ways, clouds(), allocate_texture_scratch(), pixels.color, fog)
-        ways, color = np.stack(pixels.ways, axis=-1), np.stack(pixels.color, axis=-1)
-        aside = ways @ np.array(SUN_DIRECTION)
-        assert (fog[ways[:, 1] < CLOUDS_FROM] == 1.0).all()  # nothing is before the haze there
-        assert (fog[aside > DISC] == 0.0).all()
-        assert color[aside > DISC] == pytest.approx(np.tile(SUN_COLOR, ((aside > DISC).sum(), 1)), abs=0.05)
-        assert color[aside < GLOW] == pytest.approx(np.tile(CLOUD, ((aside < GLOW).sum(), 1)), abs=0.05)
-        # The plane of the clouds, looked up at the nearest number of their map.
-        scale = CLOUDS_WIDTH / (np.maximum(CLOUDS_FROM, ways[:, 1]) + FLATTENED)
-        at = ((ways[:, [2, 0]] * scale[:, None] + CLOUDS_REACH) / CLOUDS_STEP).round().astype(int)
-        near = clouds()[tuple(np.clip(at, 0, len(clouds()) - 1).T)]
-        cover = near * np.clip((ways[:, 1] - CLOUDS_FROM) * INTO_CLOUDS, 0.0, 1.0)
-        assert fog[aside < GLOW] == pytest.approx(1.0 - cover[aside < GLOW], abs=0.15)

@@ -29,27 +29,24 @@ def line_of(surfaces: list[Surface]) -> Hits:
     return Hits(np.arange(len(solids), dtype=np.float32), solids, faces)
 
 
-def even_row(surfaces: list[Surface]) -> tuple[list[int], Chosen, int]:
-    """Return where pieces of an even row begin, and the chosen pixels with their number."""
+def choose(surfaces: list[Surface], over: list[Surface] | None = None) -> tuple[list[int], Chosen, int]:
+    """Return where the pieces of a row begin, and the chosen pixels with their number.
+
+    The row is even, or the odd one below another.
+    """
     line, width = line_of(surfaces), len(surfaces)
     pieces, cosines = np.empty(width + 1, np.int32), np.ones(width, np.float32)
     chosen = Chosen(*np.empty((4, width), np.int32), *np.empty((2, width), np.float32))
-    count = find_pieces(line.solid, line.face, pieces)
-    many = choose_half(line, cosines, pieces, count, chosen)
-    return pieces[: count + 1].tolist(), chosen, many
-
-
-def odd_row(surfaces: list[Surface], over: list[Surface]) -> tuple[list[int], Chosen, int]:
-    """Return the same of an odd row."""
-    width = len(surfaces)
-    pieces, cosines = np.empty(width + 1, np.int32), np.ones(width, np.float32)
-    chosen = Chosen(*np.empty((4, width), np.int32), *np.empty((2, width), np.float32))
-    count, many = choose_unlike(line_of(surfaces), line_of(over), cosines, pieces, chosen)
+    if over is None:
+        count = find_pieces(line.solid, line.face, pieces)
+        many = choose_half(line, cosines, pieces, count, chosen)
+    else:
+        count, many = choose_unlike(line, line_of(over), cosines, pieces, chosen)
     return pieces[: count + 1].tolist(), chosen, many
 
 
 def test_of_each_piece_every_second_pixel_is_shaded_and_the_next_one_gets_its_colour() -> None:
-    pieces, chosen, many = even_row([GROUND] * 5 + [WALL] * 2 + [SKY])
+    pieces, chosen, many = choose([GROUND] * 5 + [WALL] * 2 + [SKY])
     assert pieces == [0, 3, 4, 5]
     assert many == 5
     assert chosen.column[:5].tolist() == [0, 2, 4, 5, 7]
@@ -58,7 +55,7 @@ def test_of_each_piece_every_second_pixel_is_shaded_and_the_next_one_gets_its_co
 
 
 def test_in_the_row_below_only_what_shows_something_else_is_shaded() -> None:
-    pieces, chosen, many = odd_row(
+    pieces, chosen, many = choose(
         [GROUND, GROUND, WALL, WALL, WALL, SKY], [GROUND] * 2 + [SKY] * 2 + [WALL, SKY]
     )
     assert (pieces, many) == ([0, 1], 1)
@@ -68,7 +65,7 @@ def test_in_the_row_below_only_what_shows_something_else_is_shaded() -> None:
 @given(ROWS)
 def test_every_pixel_has_a_colour_of_its_surface(rows: tuple[list[Surface], list[Surface]]) -> None:
     first, second = rows
-    for row, (_, chosen, many) in ((first, even_row(first)), (second, odd_row(second, first))):
+    for row, (_, chosen, many) in ((first, choose(first)), (second, choose(second, first))):
         colored = dict(zip(chosen.beside[:many].tolist(), chosen.column[:many].tolist(), strict=True))
         colored |= {column: column for column in chosen.column[:many].tolist()}
         above = {column for column in range(len(row)) if row is second and second[column] == first[column]}

@@ -23,7 +23,7 @@ from wildscav_engine.rendering.shading.light.columns import (
     write_columns,
 )
 from wildscav_engine.rendering.shading.light.sunlight import SHADOW_REACH, sun_shines
-from wildscav_engine.rendering.shading.pixel_rows import Places
+from wildscav_engine.rendering.shading.pixel_rows import Vectors
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 from wildscav_engine.specs.map_spec import MapConfig
 
@@ -36,7 +36,7 @@ def to_sun(world: World) -> ShadowColumns:
 
 def is_sunny(columns: ShadowColumns, world: World, place: tuple[float, float, float]) -> bool:
     rows, numbers = np.empty((2, 1), np.int32)
-    write_columns(columns, Places(*np.array(place, np.float32)[:, None]), rows, numbers)
+    write_columns(columns, Vectors(*np.array(place, np.float32)[:, None]), rows, numbers)
     return sun_shines(columns, world, rows[0], numbers[0], place)
 
 

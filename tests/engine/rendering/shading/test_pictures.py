@@ -13,25 +13,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from tests.builders import box, flat_world, map_from
+from tests.engine.rendering.views import View, directions
 
-from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT, raycast
+from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import Kind, Solid, build_world
-from wildscav_engine.maps import generate_map, map_of
+from wildscav_engine.maps import map_of
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.rendering.hits import WATER_HIT, allocate_hits
-from wildscav_engine.rendering.images import trace
+from wildscav_engine.rendering.hits import WATER_HIT
 from wildscav_engine.rendering.palette import SUN
-from wildscav_engine.rendering.shading.light.sunlight import SHADOW_REACH, sun_is_clear
 from wildscav_engine.rendering.shading.noise import PERIOD, endless_noise, grain, noise
 from wildscav_engine.rendering.shading.pictures import find_pieces
-from wildscav_engine.rendering.shading.pixel_rows import (
-    RayDirections,
-    View,
-    cosines_of,
-    point_along,
-    view_of,
-    write_directions,
-)
+from wildscav_engine.rendering.shading.pixel_rows import Vectors, cosines_of, view_of, write_directions
 from wildscav_engine.rendering.shading.sky import DISC, HORIZON, SUN_DIRECTION, haze, levelness
 from wildscav_engine.rendering.tracing.solids import gather_solids
 from wildscav_engine.sensors import ColorCamera
@@ -42,19 +34,6 @@ Place = tuple[float, float, float]
 CONFIG = MapConfig(size=60, houses=2, water=0.1, vegetation=0.8)
 ONE = ColorCamera(width=1, height=1, far=1000.0, field_of_view=1.0)
 HITS = st.tuples(st.sampled_from([NOTHING_HIT, TERRAIN_HIT, WATER_HIT, 0, 7]), st.integers(0, 2))
-
-
-def direction_of(view: View, row: int, column: int) -> Place:
-    """Return the unit vector of a pixel's ray."""
-    up = (view.height * 0.5 - row - 0.5) * view.pixel
-    right = (column + 0.5 - view.width * 0.5) * view.pixel
-    level, rise = view.cos_pitch + view.sin_pitch * up, view.cos_pitch * up - view.sin_pitch
-    along = 1.0 / np.sqrt(1.0 + up * up + right * right)
-    return (
-        (view.sin_yaw * level + view.cos_yaw * right) * along,
-        rise * along,
-        (view.cos_yaw * level - view.sin_yaw * right) * along,
-    )
 
 
 def look(
@@ -90,16 +69,6 @@ def test_a_wall_casts_its_shadow_away_from_the_sun_if_shadows_are_asked_for() ->
     before = (0.0, 5.0, -behind[2])
     assert look(wall, behind, 0.0, 90.0).sum() < 0.8 * look(wall, behind, 0.0, 90.0, plain).sum()
     assert (look(wall, before, 0.0, 90.0) == look(wall, before, 0.0, 90.0, plain)).all()
-
-
-def test_the_sun_shines_where_a_ray_to_it_meets_nothing() -> None:
-    world = generate_map(CONFIG, 3).world
-    random = np.random.default_rng(0)
-    places = random.uniform((-32.0, world.heights.min() - 1.0, -32.0), (32.0, 12.0, 32.0), (3000, 3))
-    clear = [sun_is_clear(world, (x, y, z)) for x, y, z in places]
-    free = [raycast(world, x, y, z, *SUN_DIRECTION, SHADOW_REACH).solid == NOTHING_HIT for x, y, z in places]
-    assert clear == free
-    assert 500 < sum(clear) < 2500
 
 
 def test_what_moves_casts_a_shadow_too() -> None:
@@ -216,20 +185,6 @@ def digest() -> str:
     return blake2b(b"".join(pictures), digest_size=8).hexdigest()
 
 
-@pytest.mark.parametrize("camera", CAMERAS, ids=["full", "fast"])
-def test_a_picture_has_the_same_bits_in_any_batch_order_and_number_of_threads(camera: ColorCamera) -> None:
-    game_map = world_with_everything()
-    together = camera.render(game_map, *views(8))
-    eyes, yaws, pitches = views(8)
-    backwards = camera.render(game_map, eyes[::-1], yaws[::-1], pitches[::-1], threads=3)
-    assert (backwards[::-1] == together).all()
-    for one in range(8):
-        assert (
-            camera.render(game_map, eyes[one:][:1], yaws[one:][:1], pitches[one:][:1]) == together[one]
-        ).all()
-    assert len({picture.tobytes() for picture in together}) == 8
-
-
 @pytest.mark.slow  # all that takes pictures is compiled anew for it
 def test_another_process_takes_the_same_pictures_on_a_generic_processor() -> None:
     here, folder = digest(), Path(__file__).parent
@@ -245,23 +200,16 @@ def test_another_process_takes_the_same_pictures_on_a_generic_processor() -> Non
 
 
 @pytest.mark.parametrize(("yaw", "pitch"), [(0.0, 0.0), (31.0, -12.0), (-140.0, 25.0), (90.0, 89.0)])
-def test_colours_are_of_the_places_that_rays_met(yaw: float, pitch: float) -> None:
-    camera = ColorCamera(width=7, height=5, field_of_view=90.0)
-    eye = (1.0, 2.0, 3.0)
-    cameras = camera._cameras([eye], [yaw], [pitch], None)
-    view = view_of(cameras, 0, 5, 7, 1)
-    middle = direction_of(view, 2, 3)
-    assert middle[1] == pytest.approx(-np.sin(np.radians(pitch)))
-    assert middle[0] == pytest.approx(np.sin(np.radians(yaw)) * np.cos(np.radians(pitch)))
-    hits = allocate_hits(1, 5, 7)
-    trace(with_solids().scene, gather_solids([]), cameras, hits)
+def test_the_rays_that_are_shaded_are_those_that_are_traced(yaw: float, pitch: float) -> None:
+    camera = ColorCamera(width=9, height=5, field_of_view=90.0)
+    cameras = camera._cameras([(0.0, 0.0, 0.0)], [yaw], [pitch], None)
+    view = view_of(cameras, 0, 5, 9, 1)
+    wanted = directions(View((0.0, 0.0, 0.0), yaw, pitch, (9, 5), 90.0)).reshape(5, 9, 3)
     for row in range(5):
-        for column in range(7):
-            way = direction_of(view, row, column)
-            assert np.linalg.norm(way) == pytest.approx(1.0)
-            if np.isfinite(hits.distance[0, row, column]):
-                met = point_along(eye, way, float(hits.distance[0, row, column]))
-                assert met[1] == pytest.approx(0.0, abs=1e-4)
+        ways = Vectors(*np.empty((3, 9), np.float32))
+        columns, cosines = np.arange(9, dtype=np.int32), cosines_of(cameras.half_width, 5, 9)[row]
+        write_directions(view, row, columns, cosines, ways)
+        assert np.stack(ways, axis=1) == pytest.approx(wanted[row], abs=1e-6)
 
 
 def test_noise_is_even_smooth_and_unlike_at_neighbours() -> None:
@@ -281,18 +229,6 @@ def test_quick_noise_is_that_of_a_square_repeated_without_end(x: float, z: float
         assert noise(x, z) == pytest.approx(endless_noise(x, z), abs=1 / 255)
     for east, north in ((PERIOD, 0), (-PERIOD, 3 * PERIOD)):
         assert noise(x + east, z + north) == pytest.approx(noise(x, z), abs=1e-6)
-
-
-def test_the_rays_of_a_row_are_those_of_its_pixels() -> None:
-    camera = ColorCamera(width=9, height=5, field_of_view=90.0)
-    cameras = camera._cameras([(0.0, 0.0, 0.0)], [31.0], [-12.0], None)
-    view = view_of(cameras, 0, 5, 9, 1)
-    for row in range(5):
-        ways = RayDirections(*np.empty((3, 9), np.float32))
-        columns, cosines = np.arange(9, dtype=np.int32), cosines_of(cameras.half_width, 5, 9)[row]
-        write_directions(view, row, columns, cosines, ways)
-        wanted = np.array([direction_of(view, row, column) for column in range(9)])
-        assert np.stack(ways, axis=1) == pytest.approx(wanted, abs=1e-6)
 
 
 def pieces_of(hits: list[tuple[int, int]]) -> list[int]:

@@ -9,7 +9,6 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from PIL import Image
 
 from wildscav_engine.maps import generate_map
@@ -32,34 +31,22 @@ VIEWS = {
     "lake": ("outdoor", 31, -100.0, 3.0),
     "sun": ("outdoor", 60, -136.8, -33.7),
 }
-
-
 FAST = ("beach", "corner of a room", "forest", "house", "lake")
+CASES = [*((name, "full") for name in VIEWS), *((name, "fast") for name in FAST)]
 
 
-def picture(name: str, quality: Literal["full", "fast"]) -> NDArray[np.uint8]:
+@pytest.mark.parametrize(("name", "quality"), CASES)
+def test_it_looks_as_it_did(name: str, quality: Literal["full", "fast"]) -> None:
     game_map = generate_map(CONFIG, SEED)
     kind, place, yaw, pitch = VIEWS[name]
     places = getattr(game_map, kind)
     eye = places[place * 97 % len(places)] + np.array([0.0, 1.6, 0.0])
     camera = ColorCamera(width=WIDTH, height=HEIGHT, quality=quality)
-    return camera.render(game_map, [tuple(eye)], [yaw], [pitch])[0]
-
-
-def compare(taken: NDArray[np.uint8], path: Path) -> None:
+    taken = camera.render(game_map, [tuple(eye)], [yaw], [pitch])[0]
+    path = FOLDER / f"{'fast-' * (quality == 'fast')}{name.replace(' ', '-')}.png"
     if not path.exists():
         Image.fromarray(taken).save(path)
         pytest.fail(f"{path.name} was missing and is written now: look at it, and run this again")
     differences = np.abs(taken.astype(int) - np.asarray(Image.open(path)))
     assert differences.mean() < MEAN
     assert (differences > CLEARLY).mean() < FEW
-
-
-@pytest.mark.parametrize("name", VIEWS)
-def test_it_looks_as_it_did(name: str) -> None:
-    compare(picture(name, "full"), FOLDER / f"{name.replace(' ', '-')}.png")
-
-
-@pytest.mark.parametrize("name", FAST)
-def test_a_fast_picture_looks_as_it_did(name: str) -> None:
-    compare(picture(name, "fast"), FOLDER / f"fast-{name.replace(' ', '-')}.png")

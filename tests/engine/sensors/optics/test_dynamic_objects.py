@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from wildscav_engine.sensors.optics.dynamic_objects import (
     as_dynamic_objects,
     dynamic_objects_of,
     objects_of_matches,
+    placed_objects,
 )
 from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
@@ -87,19 +89,15 @@ def test_the_visor_is_on_the_side_that_an_agent_looks_to(yaw: float, ahead: tupl
     assert middle[[0, 2]] @ np.array(ahead) > 0.1
 
 
-def test_the_dead_and_the_absent_are_not_seen() -> None:
-    match = battle(3)
-    match.state.agents.health[0, 1] = 0
-    assert instances(dynamic_objects_of(match), Kind.AGENT) == {0, 2}
-    match.state.agents.present[0, 2] = False
-    assert instances(dynamic_objects_of(match), Kind.AGENT) == {0}
-
-
-def test_a_seat_owns_its_body_and_nobody_owns_a_box() -> None:
-    match = battle(2)
+def test_the_dead_and_the_absent_are_not_seen_and_all_others_own_their_bodies() -> None:
+    match = battle(4)
+    match.state.agents.health[0, 1], match.state.agents.present[0, 2] = 0, False
     put_box(match, 0, (1.0, 0.0, 3.0))
     things = dynamic_objects_of(match)
-    assert things.owner.tolist() == [0] * len(BODY) + [1] * len(BODY) + [NO_OWNER] * len(CRATE)
+    assert things.owner.tolist() == [0] * len(BODY) + [3] * len(BODY) + [NO_OWNER] * len(CRATE)
+    assert instances(things, Kind.AGENT) == {0, 3}
+    match.state.agents.health[:], match.state.supplies.quantity[:] = 0, 0
+    assert len(dynamic_objects_of(match).kind) == 0
 
 
 def test_a_box_is_there_from_its_frame_on_until_it_is_picked_up() -> None:
@@ -125,19 +123,13 @@ def test_a_box_stands_where_it_lies_and_is_about_60_cm_wide() -> None:
 
 
 def test_teams_have_colours_that_are_far_apart() -> None:
-    things = dynamic_objects_of(battle(8))
-    torsos = things.color[TORSO :: len(BODY)]
-    assert torsos[3] == pytest.approx(of_seat(3))
-    apart = np.abs(torsos[:, None] - torsos).sum(axis=-1)
-    assert apart[np.triu_indices(8, 1)].min() > 60
-
-
-def test_one_team_has_one_colour() -> None:
-    match = battle(3)
-    match.state.agents.team[0, :3] = (0, 1, 0)
+    match = battle(9)
+    match.state.agents.team[0, 8] = 3
     torsos = dynamic_objects_of(match).color[TORSO :: len(BODY)]
-    assert (torsos[0] == torsos[2]).all()
-    assert (torsos[0] != torsos[1]).any()
+    assert torsos[3] == pytest.approx(of_seat(3))
+    assert (torsos[3] == torsos[8]).all()
+    apart = np.abs(torsos[:8, None] - torsos[:8]).sum(axis=-1)
+    assert apart[np.triu_indices(8, 1)].min() > 60
 
 
 def test_who_cannot_be_hurt_is_pale() -> None:
@@ -159,10 +151,17 @@ def test_solids_of_any_making_take_the_colour_of_their_owner() -> None:
     assert len(as_dynamic_objects(gather_solids([])).color) == 0
 
 
-def test_a_match_without_anything_has_no_things() -> None:
-    match = battle(1)
-    match.state.agents.health[:] = 0
-    assert len(dynamic_objects_of(match).kind) == 0
+def test_what_is_placed_by_hand_looks_as_it_does_in_a_match() -> None:
+    match = battle(2)
+    place(match, 0, (1.0, 0.5, 2.0), yaw=30.0)
+    place(match, 1, (-4.0, 0.0, 3.0), yaw=-90.0)
+    put_box(match, 0, (1.0, 2.0, 3.0))
+    match.state.supplies.serial[0, 0] = 0
+    of_match = dynamic_objects_of(match)
+    placed = placed_objects([((1.0, 0.5, 2.0), 30.0), ((-4.0, 0.0, 3.0), -90.0)], [(1.0, 2.0, 3.0)])
+    for one, other in zip(of_match.sets.arrays, placed.sets.arrays, strict=True):
+        assert np.array_equal(one, other)
+    assert len(placed_objects([], []).kind) == 0
 
 
 @pytest.mark.parametrize("part", ["agents", "supplies", "matches"])
@@ -240,12 +239,18 @@ def test_things_that_take_the_place_of_others_are_the_same() -> None:
     assert objects_of_matches(batch.state, room).arrays is room.arrays
 
 
-def test_the_table_of_things_is_that_of_their_arrays() -> None:
-    sets = dynamic_objects_of(battle(2)).sets
-    assert (sets.addresses == addresses_of(sets.arrays)).all()
-    copied = copy.deepcopy(sets)
-    assert (copied.addresses == addresses_of(copied.arrays)).all()
-    assert (copied.addresses[:, 0] != sets.addresses[:, 0]).all()
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda things: pickle.loads(pickle.dumps(things))])  # noqa: S301
+def test_a_copy_of_things_is_the_same_with_a_table_of_its_own(
+    copied: Callable[[DynamicObjects], DynamicObjects],
+) -> None:
+    things = dynamic_objects_of(battle(2))
+    other = copied(things)
+    for one, same in zip((*things, things.color), (*other, other.color), strict=True):
+        assert one.tobytes() == same.tobytes()
+    assert (things.instance == other.instance).all()
+    for sets in (things.sets, other.sets, copy.deepcopy(things.sets)):
+        assert (sets.addresses == addresses_of(sets.arrays)).all()
+    assert (other.sets.addresses[:, 0] != things.sets.addresses[:, 0]).all()
 
 
 def test_things_in_arrays_that_kernels_cannot_read_are_refused() -> None:
@@ -254,12 +259,3 @@ def test_things_in_arrays_that_kernels_cannot_read_are_refused() -> None:
         _ = DynamicObjects(things.solids, things.instance, things.color.astype(np.float32)).sets
     with pytest.raises(ValueError, match="color is not contiguous"):
         _ = DynamicObjects(things.solids, things.instance, things.color[::-1]).sets
-
-
-def test_things_can_be_sent_to_other_processes() -> None:
-    match = make_match(seats=2)
-    things = dynamic_objects_of(match)
-    sent = pickle.loads(pickle.dumps(things))  # noqa: S301
-    assert [part.tobytes() for part in sent] == [part.tobytes() for part in things]
-    assert (sent.instance == things.instance).all()
-    assert (sent.color == things.color).all()

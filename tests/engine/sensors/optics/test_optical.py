@@ -1,6 +1,7 @@
 """Images from any place: what is asked for is checked, and how many share the work changes nothing."""
 
 import copy
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -11,11 +12,24 @@ from numba.core.errors import NumbaError
 from wildscav_engine.maps import generate_map
 from wildscav_engine.parallel.turns import ALONE
 from wildscav_engine.rendering.cameras import Cameras
-from wildscav_engine.sensors import DepthCamera, Lidar, NormalCamera, parse_sensors
-from wildscav_engine.sensors.optics.image_sensor import NO_DYNAMIC_OBJECTS, ImageSensor, ShownMaps
+from wildscav_engine.sensors import (
+    ColorCamera,
+    DepthCamera,
+    Lidar,
+    NormalCamera,
+    SegmentationCamera,
+    parse_sensors,
+)
+from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
+from wildscav_engine.sensors.optics.image_sensor import (
+    NO_DYNAMIC_OBJECTS,
+    NO_VIEWER,
+    ImageSensor,
+    ShownMaps,
+)
 from wildscav_engine.specs.map_spec import MapConfig
 
-COUNTRY = generate_map(MapConfig(size=60, houses=2), 3)
+COUNTRY, PLAIN = generate_map(MapConfig(size=60, houses=2), 3), generate_map(MapConfig(size=40, houses=0), 1)
 FINE: dict[str, Any] = {"positions": np.ones((2, 3)), "yaws": np.zeros(2), "pitches": np.zeros(2)}
 
 
@@ -40,7 +54,13 @@ def test_what_cannot_be_looked_from_is_named_in_one_line(wrong: dict[str, Any], 
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("sensor", [DepthCamera(), NormalCamera(), Lidar(azimuths=30)])
+@pytest.mark.parametrize(
+    "sensor",
+    [
+        *(DepthCamera(), NormalCamera(), Lidar(azimuths=30)),
+        *(ColorCamera(40, 23), ColorCamera(40, 23, quality="fast")),
+    ],
+)
 @pytest.mark.parametrize("threads", [2, 3, 50])
 def test_threads_and_batches_change_no_bit(
     sensor: ImageSensor, threads: int, monkeypatch: pytest.MonkeyPatch
@@ -84,18 +104,17 @@ def test_arrays_are_looked_from_alike_however_they_lie_in_memory() -> None:
     assert strewn.tobytes() == plain.tobytes()
 
 
-def test_images_of_other_sizes_and_maps_in_between_change_no_bit() -> None:
-    """Images are made in rooms that are kept: nothing of one is left in the next."""
-    other = generate_map(MapConfig(size=40, houses=0), 1)
+@pytest.mark.parametrize("camera", [DepthCamera(9, 7), DepthCamera(258, 256)], ids=["small", "large"])
+def test_images_of_other_sizes_and_maps_in_between_change_no_bit(camera: DepthCamera) -> None:
+    """Images are made in workspaces that are kept: nothing of one is left in the next."""
     eyes, turns = COUNTRY.outdoor[:7] + np.array((0, 1.5, 0)), np.linspace(-170, 170, 7)
-    once = DepthCamera(9, 7).render(COUNTRY, eyes, turns, np.zeros(7))
-    for width in range(1, 20):
+    once = camera.render(COUNTRY, eyes, turns, np.zeros(7)).tobytes()
+    for width in range(1, 20, 3):
         DepthCamera(width, 7, far=1e3).render(COUNTRY, eyes[::-1].copy(), turns, np.zeros(7))
-        DepthCamera(9, width).render(other, eyes, turns, np.zeros(7))
-        assert DepthCamera(9, 7).render(COUNTRY, eyes, turns, np.zeros(7)).tobytes() == once.tobytes()
-    assert (
-        DepthCamera(9, 7).render(copy.deepcopy(COUNTRY), eyes, turns, np.zeros(7)).tobytes() == once.tobytes()
-    )
+        replace(camera, height=camera.height - width % 5).render(PLAIN, eyes, turns, np.zeros(7))
+        camera.render(PLAIN, eyes, turns, np.zeros(7))
+        assert camera.render(COUNTRY, eyes, turns, np.zeros(7)).tobytes() == once
+    assert camera.render(copy.deepcopy(COUNTRY), eyes, turns, np.zeros(7)).tobytes() == once
 
 
 def test_nobody_to_look_gives_no_image() -> None:
@@ -111,25 +130,35 @@ def test_a_wider_view_shows_things_smaller() -> None:
 
 
 @pytest.mark.parametrize(
-    "sensor", [DepthCamera(9, 7), NormalCamera(9, 7), DepthCamera(300, 220), Lidar(azimuths=30)]
+    "sensor",
+    [
+        *(DepthCamera(9, 7), DepthCamera(300, 220), NormalCamera(9, 7, moving=True)),
+        *(SegmentationCamera(9, 7), Lidar(azimuths=30, moving=True)),
+        *(ColorCamera(9, 7), ColorCamera(300, 220), ColorCamera(640, 420)),
+    ],
+    ids=lambda sensor: f"{sensor.name}-{sensor.shape[1]}",
 )
 def test_images_of_many_maps_are_those_of_each_map(sensor: ImageSensor) -> None:
-    other = generate_map(MapConfig(size=40, houses=0), 1)
-    maps = [COUNTRY, other, COUNTRY, other, other]
+    maps = [COUNTRY, PLAIN, COUNTRY, PLAIN, PLAIN]
     eyes = np.stack([game_map.outdoor[place] for place, game_map in enumerate(maps)]) + np.array((0, 1.5, 0))
     turns, level = np.linspace(-170, 170, 5), np.zeros(5)
+    things = NO_DYNAMIC_OBJECTS
+    if sensor.sees_objects:
+        ahead = np.stack((np.sin(np.radians(turns)), level - 0.5, np.cos(np.radians(turns))), axis=1)
+        things = placed_objects([(tuple(place), 0.0) for place in eyes + 3.0 * ahead], [])
     alone = [
-        sensor.render(game_map, eyes[[place]], turns[[place]], [0.0])[0]
+        sensor.render(game_map, eyes[[place]], turns[[place]], [0.0], moving=things)[0]
         for place, game_map in enumerate(maps)
     ]
+    assert len({image.tobytes() for image in alone}) > 3
 
-    cameras = Cameras(eyes, turns, level, np.zeros(5, np.int32), *sensor.lens)
+    cameras = Cameras(eyes, turns, level, np.full(5, NO_VIEWER, np.int32), *sensor.lens)
     together = np.empty((5, *sensor.shape), sensor.dtype)
 
-    things = NO_DYNAMIC_OBJECTS.sets, np.zeros(5, np.int64)
-    for write in (sensor.render_matches_into, partial(ImageSensor.write_images, sensor)):  # at once, in turn
+    in_turn = partial(ImageSensor.write_images, sensor)  # which paints all parts of a body alike
+    for write in (sensor.render_matches_into, *[in_turn] * (not isinstance(sensor, ColorCamera))):
         together.fill(77)
-        assert write(ShownMaps(maps), *things, cameras, together, ALONE)
+        assert write(ShownMaps(maps), things.sets, np.zeros(5, np.int64), cameras, together, ALONE)
         assert together.tobytes() == np.stack(alone).tobytes()
 
 

@@ -1,12 +1,12 @@
 """What the screen says over the camera's picture, pixel by pixel."""
 
 import hashlib
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from tests.builders import flat_world, lay_boxes, make_match, place, seen_now
+from tests.engine.sensors.scenes import duel
 
 from wildscav_engine.sensors import ColorCamera, Screen
 from wildscav_engine.sensors.screen.display import GOLD, RED, RING, SKY
@@ -15,16 +15,6 @@ from wildscav_engine.simulation.match import Match
 
 SCREEN = Screen()  # 160 × 120 pixels, letters of 5 × 7
 BOTTOM = 120 - 8  # the row of the lowest line of text
-
-
-def duel(track: str = "battle", **spec: Any) -> Match:
-    """Seat 0 at the origin, looking north; seat 1 ten metres north of it, looking back."""
-    match = make_match(track, flat_world(80), seats=2, **spec)
-    match.state.agents.invincible_left[:] = 0
-    lay_boxes(match)
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10), 180.0)
-    return match
 
 
 def display(match: Match, sensor: Screen = SCREEN) -> NDArray[np.uint8]:
@@ -78,7 +68,7 @@ def test_outside_the_display_it_is_the_picture_of_the_camera() -> None:
     ],
 )
 def test_it_says(track: str, changes: dict[str, int], left: int, top: int, says: str) -> None:
-    match = duel(track)
+    match = duel(track=track)
     for name, value in changes.items():
         getattr(match.state.agents, name)[0, 0] = value
     assert text_at(display(match), left, top) == says
@@ -94,7 +84,7 @@ def test_it_says(track: str, changes: dict[str, int], left: int, top: int, says:
     ],
 )
 def test_the_compass_shows_the_way_to_the_target(place_of: tuple[int, int, int], column: int) -> None:
-    match = duel("navigation")
+    match = duel(track="navigation")
     match.state.matches.target[0] = place_of
     gold = colored(display(match)[9:18], GOLD)
     assert gold[:, 1].min() + gold[:, 1].max() == pytest.approx(2 * column, abs=2)
@@ -102,7 +92,7 @@ def test_the_compass_shows_the_way_to_the_target(place_of: tuple[int, int, int],
 
 
 def test_a_target_that_is_not_known_is_not_shown() -> None:
-    assert not len(colored(display(duel("capture")), GOLD))
+    assert not len(colored(display(duel(track="capture")), GOLD))
 
 
 def test_the_compass_shows_boxes_that_the_seat_is_told_of() -> None:
@@ -114,7 +104,7 @@ def test_the_compass_shows_boxes_that_the_seat_is_told_of() -> None:
 
 @pytest.mark.parametrize(("facing", "has_arc"), [(0.0, True), (180.0, False)])
 def test_whoever_is_hit_sees_it_and_from_where_if_it_sees_the_shooter(facing: float, has_arc: bool) -> None:
-    match = duel()
+    match = duel(distance=10.0)
     assert not len(colored(display(match), RED))
     place(match, 0, (0, 0, 0), facing)
     match.state.agents.hit_by_seat[0, 0] = 1
@@ -151,7 +141,7 @@ def test_letters_grow_with_the_picture(width: int, height: int, scale: int) -> N
 
 
 def test_the_display_has_the_same_pixels_on_any_machine() -> None:
-    match = duel("battle")
+    match = duel(distance=10.0)
     lay_boxes(match, (1, 0, 8), (3, 0, 5))
     match.state.agents.yaw[0, 0], match.state.agents.hit_by_seat[0, 0] = 12.3, 1
     picture = display(match, Screen(width=320, height=180))

@@ -1,15 +1,16 @@
 """Robots play: they find supplies, they fight, and they never act beyond the rules."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from tests.builders import flat_world, map_from, place
 
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.simulation.batch import Batch
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.simulation.robots.decide import ROBOTS
-from wildscav_engine.specs.actions import FIELDS, Field
+from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import NAMED, Rules
@@ -21,8 +22,8 @@ def country() -> GameMap:
     return generate_map(MapConfig(size=80, houses=3), 2)
 
 
-def play(country: GameMap, *seats: str, seed: int = 0, track: str = "battle") -> Match:
-    match = Match(MatchSpec(track=track, map=country.spec, seed=seed, seats=seats, time_limit=60), country)
+def play(country: GameMap, *seats: str, track: str = "battle", **more: Any) -> Match:
+    match = Match(MatchSpec(track=track, map=country.spec, seats=seats, time_limit=60, **more), country)
     match.play_out()
     return match
 
@@ -36,10 +37,13 @@ def test_every_robot_walks_about_and_keeps_to_the_rules(country: GameMap, name: 
     assert actions[..., 1].max() <= 10
 
 
-def test_gatherers_gather_and_walkers_do_not(country: GameMap) -> None:
-    match = play(country, "gatherer", "walker", track="gathering")
-    assert match.state.agents.supplies[0, 0] > 10
-    assert match.state.agents.supplies[0, 1] == 0
+def test_gatherers_gather_and_fighters_kill_each_other_and_walkers_do_neither(country: GameMap) -> None:
+    supplies = play(country, "gatherer", "walker", track="gathering").state.agents.supplies[0]
+    assert supplies[0] > 10
+    assert supplies[1] == 0
+    agents = play(country, *["fighter"] * 8).state.agents
+    assert agents.kills[0].sum() >= 3
+    assert agents.hits[0].sum() < agents.shots[0].sum()
 
 
 def test_gatherers_do_not_stay_at_a_box_that_they_cannot_reach() -> None:
@@ -53,12 +57,6 @@ def test_gatherers_do_not_stay_at_a_box_that_they_cannot_reach() -> None:
     quarters = np.array(ways)[:600].reshape(4, 150, 8, 3)  # of 15 s each
     extents = np.ptp(quarters, axis=1).max(axis=-1)
     assert extents.min() > 2.0
-
-
-def test_fighters_kill_each_other(country: GameMap) -> None:
-    match = play(country, *["fighter"] * 8)
-    assert match.state.agents.kills[0].sum() >= 3
-    assert match.state.agents.hits[0].sum() < match.state.agents.shots[0].sum()
 
 
 def test_a_robot_does_what_it_does_whatever_was_sent_for_its_seat(country: GameMap) -> None:
@@ -124,45 +122,35 @@ def test_a_better_gatherer_has_more_supplies_in_the_end() -> None:
     world = map_from(flat_world())
     totals = []
     for kind in ("gatherer-easy", "gatherer", "gatherer-hard"):
-        specs = [
-            MatchSpec(track="gathering", map=world.spec, seed=seed, seats=(kind,), time_limit=4)
+        matches = [
+            Match(MatchSpec(track="gathering", seed=seed, seats=(kind,), time_limit=4), world)
             for seed in range(12)
         ]
-        batch = Batch(specs, [world] * len(specs))
-        for _ in range(40):
-            batch.step(np.zeros((len(specs), 1, FIELDS), np.float32))
-        totals.append(int(batch.state.agents.supplies.sum()))
+        for match in matches:
+            match.play_out()
+        totals.append(sum(int(match.state.agents.supplies.sum()) for match in matches))
     assert totals == sorted(set(totals))
 
 
 def test_a_better_seeker_is_at_the_target_sooner() -> None:
     world = map_from(flat_world())
     frames = []
-    ends = {"start": (-15, 0, -15), "target": (15, 0, 9)}
+    ends: dict[str, Any] = {"start": (-15, 0, -15), "target": (15, 0, 9)}
     for kind in ("seeker-easy", "seeker", "seeker-hard"):
-        spec = MatchSpec(track="navigation", map=world.spec, seats=(kind,), **ends)
-        match = Match(spec, world)
-        match.play_out()
+        match = play(world, kind, track="navigation", **ends)
         assert match.result().ending == "goal"
         frames.append(match.frame)
     assert frames == sorted(frames, reverse=True)
 
 
 def test_seekers_find_a_hidden_target(country: GameMap) -> None:
-    endings = [
-        play(country, *["seeker-hard"] * 4, seed=seed, track="capture").result().ending for seed in range(6)
-    ]
-    assert endings.count("goal") >= 3
+    played = [play(country, *["seeker-hard"] * 4, seed=seed, track="capture") for seed in range(6)]
+    assert [match.result().ending for match in played].count("goal") >= 3
 
 
 @pytest.mark.parametrize("name", ["walker", "gatherer", "fighter"])
 def test_robots_stay_in_the_safe_zone(country: GameMap, name: str) -> None:
-    phase = ZonePhase(wait=0, shrink=5, share=0.3, damage=1)
-    zone = ZoneConfig(phases=(phase,))
-    spec = MatchSpec(
-        track="royale", map=country.spec, seats=(name,) * 4, teams=(0,) * 4, time_limit=60, zone=zone
-    )
-    match = Match(spec, country)
-    match.play_out()
+    zone = ZoneConfig(phases=(ZonePhase(wait=0, shrink=5, share=0.3, damage=1),))
+    match = play(country, *[name] * 4, track="royale", teams=(0,) * 4, zone=zone)
     # One or the other may get stuck on its way.
     assert match.state.agents.health[0].mean() > 70

@@ -1,5 +1,7 @@
 """What the better robots can do: take cover, feel their way around obstacles, and hunt together."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from tests.builders import box, flat_world, lay_boxes, map_from, place
@@ -19,13 +21,10 @@ ENEMY, ROBOT = (0.0, 0.0, -10.0), (0.0, 0.0, 2.0)  # the wall is a few steps beh
 def under_fire(robot: str, health: int, clip: int) -> Match:
     """A robot of so much health, in sight of an enemy that it cannot kill."""
     world = map_from(flat_world(solids=[WALL]))
-    spec = MatchSpec(
-        track="battle",
-        map=world.spec,
-        seats=("submission", robot),
-        equipment=(Equipment(health=10_000), None),
+    hardy = (Equipment(health=10_000), None)
+    match = Match(
+        MatchSpec(track="battle", map=world.spec, seats=("submission", robot), equipment=hardy), world
     )
-    match = Match(spec, world)
     match.state.supplies.quantity[:] = 0
     place(match, 0, ENEMY)
     place(match, 1, ROBOT, yaw=180.0)
@@ -58,29 +57,19 @@ def test_a_hard_fighter_takes_cover_when_it_has_to(
     assert (hidden >= 5) == hides
 
 
-def test_a_hard_fighter_fires_on_its_way_into_cover() -> None:
-    match = under_fire("fighter-hard", 40, 15)
-    for _ in range(20):
-        match.step()
-    assert match.state.agents.hits[0, 1] >= 1
-
-
-def test_a_hidden_fighter_reloads() -> None:
-    match = under_fire("fighter-hard", 100, 0)
+def test_a_hard_fighter_fires_on_its_way_into_cover_and_reloads_there() -> None:
+    weak, empty = under_fire("fighter-hard", 40, 15), under_fire("fighter-hard", 100, 0)
     for _ in range(30):
-        match.step()
-    assert match.state.agents.clip[0, 1] == 15
+        weak.step()
+        empty.step()
+    assert weak.state.agents.hits[0, 1] >= 1
+    assert empty.state.agents.clip[0, 1] == 15
 
 
 def squad_of_three(*enemies: tuple[float, float, float], robot: str = "hunter-squad") -> Match:
     world = map_from(flat_world())
-    spec = MatchSpec(
-        track="battle",
-        map=world.spec,
-        seats=(robot,) * 3 + ("submission",) * len(enemies),
-        teams=(0, 0, 0, *(1,) * len(enemies)),
-    )
-    match = Match(spec, world)
+    seats, teams = (robot,) * 3 + ("submission",) * len(enemies), (0, 0, 0, *(1,) * len(enemies))
+    match = Match(MatchSpec(track="battle", map=world.spec, seats=seats, teams=teams), world)
     match.state.supplies.quantity[:] = 0
     for seat, x in enumerate((-2.0, 0.0, 2.0)):
         place(match, seat, (x, 0.0, 0.0))
@@ -112,10 +101,8 @@ def test_a_squad_comes_to_an_enemy_that_only_one_of_it_sees() -> None:
 def spread(robot: str) -> float:
     """The mean distance in m of three teammates from the fourth in the second half of a minute."""
     country = generate_map(MapConfig(size=120, houses=2), 4)
-    spec = MatchSpec(
-        track="battle", map=country.spec, seats=(robot,) * 4, teams=(0,) * 4, time_limit=60.0, seed=5
-    )
-    match, distances = Match(spec, country), []
+    squad: dict[str, Any] = {"seats": (robot,) * 4, "teams": (0,) * 4, "time_limit": 60.0, "seed": 5}
+    match, distances = Match(MatchSpec(track="battle", map=country.spec, **squad), country), []
     while not match.over:
         match.step()
         away = match.state.agents.position[0, 1:] - match.state.agents.position[0, 0]
@@ -134,16 +121,8 @@ def test_a_hard_seeker_finds_its_way_around_a_wide_wall(width: float) -> None:
     reached = {"seeker": 0, "seeker-hard": 0}
     for robot in reached:
         for seed in range(6):
-            spec = MatchSpec(
-                track="navigation",
-                map=world.spec,
-                seats=(robot,),
-                start=(0, 0, -15),
-                target=(0, 0, 15),
-                seed=seed,
-                time_limit=30.0,
-            )
-            match = Match(spec, world)
+            ends: dict[str, Any] = {"start": (0, 0, -15), "target": (0, 0, 15), "time_limit": 30.0}
+            match = Match(MatchSpec(track="navigation", seats=(robot,), seed=seed, **ends), world)
             match.play_out()
             reached[robot] += match.result().ending == "goal"
     assert reached["seeker-hard"] >= 5
@@ -153,9 +132,7 @@ def test_a_hard_seeker_finds_its_way_around_a_wide_wall(width: float) -> None:
 def searched(robot: str, seats: int, seconds: float) -> float:
     """The share of a bare map of 120 m that a team had in sight in some time, with a target out of reach."""
     world = map_from(flat_world(size=120))
-    spec = MatchSpec(
-        track="capture", map=world.spec, seats=(robot,) * seats, time_limit=seconds, target=(15, 0, 15)
-    )
+    spec = MatchSpec(track="capture", seats=(robot,) * seats, time_limit=seconds, target=(15, 0, 15))
     match, middles = Match(spec, world), np.arange(-57.5, 60.0, 5.0)
     match.state.matches.target[0] = 0, 500, 0
     seen = np.zeros((len(middles), len(middles)), bool)

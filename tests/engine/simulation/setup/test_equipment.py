@@ -2,7 +2,8 @@
 
 import pytest
 from pydantic import ValidationError
-from tests.builders import act, make_match, place
+from tests.builders import act, place
+from tests.builders import duel as made_duel
 
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.match_spec import Equipment, MatchSpec
@@ -10,10 +11,7 @@ from wildscav_engine.specs.rules import Rules
 
 
 def duel(*equipment: Equipment | None, **spec: object) -> Match:
-    match = make_match(seats=2, equipment=equipment or None, **spec)
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10), yaw=180)
-    return match
+    return made_duel(equipment=equipment or None, **spec)
 
 
 def test_a_seat_has_its_own_equipment_and_what_it_leaves_open_is_the_rules() -> None:
@@ -49,22 +47,19 @@ def test_who_comes_back_has_its_own_equipment_again() -> None:
     assert (agents.health[0, 1], agents.clip[0, 1], agents.spare_ammo[0, 1]) == (60, 3, 4)
 
 
-def test_the_dead_come_back_where_they_started_if_the_spec_says_so() -> None:
+@pytest.mark.parametrize("is_taken", [False, True])
+def test_the_dead_come_back_where_they_started_unless_somebody_stands_there(*, is_taken: bool) -> None:
     match = duel(Equipment(shot_damage=100), None, respawn_at="start", starts=(None, (9.0, 0.0, -9.0)))
     act(match, 1, seat_0={"shoot": 1})
-    act(match, 100)
+    if is_taken:
+        place(match, 0, (9, 0, -9))
+    act(match, 101 if is_taken else 100)
     assert match.state.agents.health[0, 1] == 100
-    assert match.state.agents.position[0, 1].tolist() == pytest.approx([9, 0, -9], abs=0.01)
-
-
-def test_a_start_where_somebody_stands_is_not_returned_to() -> None:
-    match = duel(Equipment(shot_damage=100), None, respawn_at="start", starts=(None, (9.0, 0.0, -9.0)))
-    act(match, 1, seat_0={"shoot": 1})
-    place(match, 0, (9, 0, -9))
-    act(match, 101)
-    assert match.state.agents.health[0, 1] == 100
-    x, _, z = match.state.agents.position[0, 1]
-    assert (x - 9) ** 2 + (z + 9) ** 2 > 1.8**2
+    x, y, z = match.state.agents.position[0, 1].tolist()
+    if is_taken:
+        assert (x - 9) ** 2 + (z + 9) ** 2 > 1.8**2
+    else:
+        assert (x, y, z) == pytest.approx((9, 0, -9), abs=0.01)
 
 
 def test_a_match_goes_on_from_bytes_with_its_equipment() -> None:

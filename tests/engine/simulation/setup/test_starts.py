@@ -1,5 +1,7 @@
 """Where matches start: given places, places drawn apart, and places around a target."""
 
+import itertools
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -17,14 +19,9 @@ MEADOW = map_from(flat_world())
 # A wall all along the meadow, with a gap in the middle.
 WALLED = map_from(flat_world(solids=[box((-20, 0, 2), (-2, 3, 3)), box((2, 0, 2), (20, 3, 3))]))
 # A low floor that one steps onto, in the middle between two walls.
-BLOCKED = map_from(
-    flat_world(
-        solids=[
-            *(box((1, 0, -9), (2, 3, 9)), box((-2, 0, -9), (-1.9, 3, 9))),
-            box((-0.8, 0.2, -1), (0.8, 0.4, 1)),
-        ]
-    )
-)
+BETWEEN = (box((1, 0, -9), (2, 3, 9)), box((-2, 0, -9), (-1.9, 3, 9)))
+BLOCKED = map_from(flat_world(solids=[*BETWEEN, box((-0.8, 0.2, -1), (0.8, 0.4, 1))]))
+LANE = (box((-20, 0, 0.6), (20, 3, 20)), box((-20, 0, -20), (20, 3, -0.6)))  # two walls, 1.2 m apart
 LIFTED = 3e-3  # m, more than a given start is lifted off the ground
 
 
@@ -42,9 +39,7 @@ def test_every_seat_may_have_its_own_start_and_the_others_keep_away() -> None:
         starts = starts_of(spec(seed, 4, "battle", starts=places))
         assert abs(starts[0] - places[0]).max() < LIFTED
         assert abs(starts[2] - places[2]).max() < LIFTED
-        for one in range(4):
-            for other in range(one):
-                assert np.hypot(*(starts[one] - starts[other])[::2]) >= START_DISTANCE
+        assert least_distance(starts) >= START_DISTANCE
 
 
 def test_a_start_of_the_first_seat_alone_leaves_the_others_to_chance() -> None:
@@ -58,7 +53,7 @@ def test_a_start_of_the_first_seat_alone_leaves_the_others_to_chance() -> None:
     ("fields", "fault"),
     [
         ({"start": (0, 0, 0), "starts": ((0, 0, 0),)}, "start and starts are both given"),
-        ({"starts": (None, None)}, "2 starts are given for 1 seats"),
+        ({"starts": (None, None)}, "starts has 2 entries for 1 seats"),
         ({"start_range": -1.0}, "start_range"),
         ({"start_range": 2.0, "track": "battle"}, "battle has no start range"),
     ],
@@ -99,9 +94,8 @@ def test_a_start_a_little_below_a_floor_is_on_it(below: float) -> None:
 
 def test_starts_lie_around_the_target_as_far_as_the_range_says() -> None:
     target, reach = np.array([1.0, 0.0, -3.0]), 1.0
-    ways = np.array(
-        [starts_of(spec(seed, target=tuple(target), start_range=2.0))[0] - target for seed in range(400)]
-    )
+    around: dict[str, object] = {"target": tuple(target), "start_range": 2.0}
+    ways = np.array([starts_of(spec(seed, **around))[0] - target for seed in range(400)])
     far = np.hypot(ways[:, 0], ways[:, 2]) - reach
     assert far.min() >= 0.0
     assert far.mean() == pytest.approx(2.0 * np.sqrt(2.0 / np.pi), rel=0.1)  # of |N(0, 2)|
@@ -119,7 +113,7 @@ def test_a_start_around_the_target_is_never_inside_anything() -> None:
 
 def test_seats_that_race_start_beside_each_other_and_not_in_each_other() -> None:
     starts = starts_of(spec(3, 4, target=(0.0, 0.0, 0.0), start_range=5.0))
-    assert min(np.hypot(*(starts[a] - starts[b])[::2]) for a in range(4) for b in range(a)) >= 1.8
+    assert least_distance(starts) >= 1.8
 
 
 def meadow_with(spots: list[tuple[float, float]], solids: tuple[object, ...] = ()) -> GameMap:
@@ -128,9 +122,7 @@ def meadow_with(spots: list[tuple[float, float]], solids: tuple[object, ...] = (
 
 
 def least_distance(starts: np.ndarray) -> float:
-    return min(
-        np.hypot(*(starts[one] - starts[other])[::2]) for one in range(len(starts)) for other in range(one)
-    )
+    return min(np.hypot(*(one - other)[::2]) for one, other in itertools.combinations(starts, 2))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -150,15 +142,13 @@ def test_drawn_starts_keep_off_given_ones_where_places_are_few() -> None:
 @pytest.mark.parametrize("fields", [{"track": "battle"}, {"target": (0.0, 0.0, 0.0), "start_range": 0.5}])
 def test_more_seats_than_have_room_are_refused(fields: dict[str, object]) -> None:
     # The target lies between two walls, where a few have room, and not thirty.
-    walls = (box((-20, 0, 0.6), (20, 3, 20)), box((-20, 0, -20), (20, 3, -0.6)))
-    pen = meadow_with([(3.0, 0.0), (3.3, 0.0), (5.0, 0.0)], walls if "target" in fields else ())
+    pen = meadow_with([(3.0, 0.0), (3.3, 0.0), (5.0, 0.0)], LANE if "target" in fields else ())
     with pytest.raises(MatchSetupError, match=r"seats are too many for this map: it has 3 places"):
         starts_of(spec(0, 30, **fields), pen)
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_seats_that_race_in_a_narrow_place_do_not_start_in_each_other(seed: int) -> None:
-    walls = (box((-20, 0, 0.6), (20, 3, 20)), box((-20, 0, -20), (20, 3, -0.6)))
-    lane = meadow_with([(float(x), 0.0) for x in range(-18, 19)], walls)
+    lane = meadow_with([(float(x), 0.0) for x in range(-18, 19)], LANE)
     starts = starts_of(spec(seed, 20, target=(0.0, 0.0, 0.0), start_range=0.3), lane)
     assert least_distance(starts) >= 2 * BODY_RADIUS

@@ -24,6 +24,7 @@ YARD = flat_world(60, [box((-20, 0, -1), (-4, 2.5, -0.5)), box((3, 0, 4), (3.5, 
     spawns=SPOTS
 )
 CROWDED = settings(max_examples=12)
+SCATTERED = given(seed=st.integers(0, 10_000), spread=st.sampled_from([3.0, 12.0, 40.0]))
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +51,7 @@ def test_a_grid_has_about_two_agents_a_square() -> None:
 
 
 @CROWDED
-@given(seed=st.integers(0, 10_000), spread=st.sampled_from([3.0, 12.0, 40.0]))
+@SCATTERED
 def test_who_is_seen_is_what_looking_at_all_pairs_finds(match: Match, seed: int, spread: float) -> None:
     places = scatter(match, seed, spread)
     agents = Agents(*(array[0] for array in match.state.agents))
@@ -73,7 +74,7 @@ def test_who_is_seen_is_what_looking_at_all_pairs_finds(match: Match, seed: int,
 
 
 @CROWDED
-@given(seed=st.integers(0, 10_000), spread=st.sampled_from([3.0, 12.0, 40.0]))
+@SCATTERED
 def test_shots_hit_what_looking_at_all_bodies_finds(match: Match, seed: int, spread: float) -> None:
     scatter(match, seed, spread)
     act(match, 1, **{f"seat_{seat}": {"shoot": 1} for seat in range(SEATS)})
@@ -100,7 +101,7 @@ def first_hit(agents: Agents, seat: int) -> int:
 
 
 @CROWDED
-@given(seed=st.integers(0, 10_000), spread=st.sampled_from([3.0, 12.0, 40.0]))
+@SCATTERED
 def test_who_can_be_touched_is_what_a_look_at_all_pairs_finds(match: Match, seed: int, spread: float) -> None:
     places = scatter(match, seed, spread)
     agents = match.state.agents

@@ -1,17 +1,15 @@
 """Rulings on death and what comes after."""
 
 import pytest
-from tests.builders import act, make_match, place
+from tests.builders import act, place
+from tests.builders import duel as made_duel
 
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.rules import Rules
 
 
 def duel(**rules: float) -> Match:
-    match = make_match(seats=2, rules=Rules(**{"shot_damage": 100, **rules}))
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10), yaw=180)
-    return match
+    return made_duel(rules=Rules(**{"shot_damage": 100, **rules}))
 
 
 @pytest.mark.parametrize(
@@ -37,30 +35,17 @@ def test_two_agents_can_kill_each_other_in_one_frame() -> None:
     assert match.state.agents.deaths[0].tolist() == [1, 1]
 
 
-def test_the_dead_come_back_after_10_seconds_with_everything_but_half_their_supplies() -> None:
-    match = duel()
-    match.state.agents.supplies[0, 1] = 31
-    act(match, 1, seat_0={"shoot": 1})
-    act(match, 98)
-    assert match.state.agents.health[0, 1] == 0
-    act(match, 2)
+def test_the_dead_come_back_after_500_frames_with_everything_but_half_their_supplies() -> None:
+    match = made_duel(rules=Rules(shot_damage=100), frames_per_action=1)
     agents = match.state.agents
-    assert agents.health[0, 1] == 100
-    assert agents.supplies[0, 1] == 16
-    assert (agents.clip[0, 1], agents.spare_ammo[0, 1]) == (15, 60)
-    assert match.game_map.outdoor.tolist().count(agents.position[0, 1].tolist()) == 1
-
-
-def test_the_dead_wait_500_frames_to_the_frame() -> None:
-    match = make_match(seats=2, rules=Rules(shot_damage=100), frames_per_action=1)
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10))
+    agents.supplies[0, 1] = 31
     act(match, 1, seat_0={"shoot": 1})
     act(match, 499)
-    assert match.state.agents.health[0, 1] == 0
+    assert agents.health[0, 1] == 0
     act(match, 1)
-    assert match.state.agents.health[0, 1] == 100
-    assert match.state.agents.invincible_left[0, 1] == 500
+    assert (agents.health[0, 1], agents.invincible_left[0, 1], agents.supplies[0, 1]) == (100, 500, 16)
+    assert (agents.clip[0, 1], agents.spare_ammo[0, 1]) == (15, 60)
+    assert match.game_map.outdoor.tolist().count(agents.position[0, 1].tolist()) == 1
 
 
 def test_the_dead_do_nothing_and_are_no_obstacle() -> None:
@@ -87,47 +72,24 @@ def test_whoever_came_back_cannot_be_hurt_for_10_seconds() -> None:
     assert match.state.agents.health[0, 1] == 0
 
 
-def test_dropped_supplies_lie_where_the_agent_died_and_can_be_taken() -> None:
-    match = duel()
-    match.state.supplies.quantity[:] = 0
-    match.state.agents.supplies[0, 1] = 10
-    act(match, 1, seat_0={"shoot": 1})
-    slot = int(match.state.supplies.quantity[0].argmax())
-    assert match.state.supplies.quantity[0, slot] == 5
-    assert match.state.supplies.position[0, slot] == pytest.approx([0, 0, 10])
-    act(match, 20, seat_0={"walk_speed": 5, "pick_up": 1})
-    assert match.state.agents.supplies[0, 0] == 5
-
-
-def test_a_kill_brings_a_bounty_besides_what_is_dropped() -> None:
+def test_a_kill_brings_a_bounty_besides_what_is_dropped_where_the_agent_died() -> None:
     match = duel(bounty=7)
-    match.state.supplies.quantity[:] = 0
-    match.state.agents.supplies[0] = 1, 10
+    agents, boxes = match.state.agents, match.state.supplies
+    boxes.quantity[:] = 0
+    agents.supplies[0] = 1, 10
     act(match, 1, seat_0={"shoot": 1})
-    assert match.state.agents.supplies[0].tolist() == [8, 5]
-    assert match.state.agents.gained[0, 0] == 0
-    assert match.state.supplies.quantity.sum() == 5
+    assert agents.supplies[0].tolist() == [8, 5]
+    assert agents.gained[0, 0] == 0
+    slot = int(boxes.quantity[0].argmax())
+    assert (boxes.quantity[0, slot], boxes.quantity.sum()) == (5, 5)
+    assert boxes.position[0, slot] == pytest.approx([0, 0, 10])
+    act(match, 20, seat_0={"walk_speed": 5, "pick_up": 1})
+    assert agents.supplies[0, 0] == 13
 
 
-def test_who_dies_first_in_a_frame_makes_no_difference_for_bounties() -> None:
-    for seed in range(4):
-        match = make_match(seats=2, seed=seed, rules=Rules(shot_damage=100, bounty=20, supply_loss=0.25))
-        place(match, 0, (0, 0, 0))
-        place(match, 1, (0, 0, 10), yaw=180)
-        match.state.agents.supplies[0] = 40
-        act(match, 1, seat_0={"shoot": 1}, seat_1={"shoot": 1})
-        assert match.state.agents.supplies[0].tolist() == [50, 50]
-
-
-@pytest.mark.parametrize("bounty", [0, 20])
-def test_supplies_are_conserved_in_a_whole_battle(bounty: int) -> None:
-    match = make_match(seats=1, world=None, rules=Rules(bounty=bounty))
-    spec = match.spec.model_copy(update={"seats": ("fighter",) * 6, "time_limit": 60.0, "seed": 4})
-    battle = Match(spec, match.game_map)
-    total = battle.state.supplies.quantity.sum()
-    while not battle.over:
-        battle.step()
-        agents = battle.state.agents
-        paid = bounty * agents.kills.sum()
-        assert battle.state.supplies.quantity.sum() + agents.supplies.sum() == total + paid
-    assert battle.state.agents.deaths.sum() > 0
+@pytest.mark.parametrize("seed", range(4))
+def test_who_dies_first_in_a_frame_makes_no_difference_for_bounties(seed: int) -> None:
+    match = made_duel(seed=seed, rules=Rules(shot_damage=100, bounty=20, supply_loss=0.25))
+    match.state.agents.supplies[0] = 40
+    act(match, 1, seat_0={"shoot": 1}, seat_1={"shoot": 1})
+    assert match.state.agents.supplies[0].tolist() == [50, 50]

@@ -1,12 +1,12 @@
 """Rulings on supply boxes: who gets them, what the dead leave, and that none comes from nowhere."""
 
+from typing import Any
+
 import numpy as np
 import pytest
-from tests.builders import RICH, WILD, act, flat_world, lay_boxes, make_match, place, seen_now
+from tests.builders import RICH, act, duel, flat_world, lay_boxes, make_match, place, seen_now
 
-from wildscav_engine.maps import map_of
 from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import Rules
 from wildscav_engine.specs.supply_config import SupplyConfig, SupplyWave
 
@@ -17,27 +17,24 @@ def gathering(seats: int = 1) -> Match:
     return match
 
 
-@pytest.mark.parametrize(("distance", "taken"), [(0.0, 3), (1.49, 3), (1.51, 0)])
-def test_a_box_is_picked_up_within_a_metre_and_a_half(distance: float, taken: int) -> None:
+@pytest.mark.parametrize(
+    ("spot", "pick_up", "taken"),
+    [
+        ((0, 0, 0), 1, 3),
+        ((1.49, 0, 0), 1, 3),
+        ((1.51, 0, 0), 1, 0),
+        ((0, 3, 0), 1, 0),  # on the next storey
+        ((0, 0, 0), 0, 0),  # without the action nothing is picked up
+    ],
+)
+def test_a_box_is_picked_up_within_a_metre_and_a_half(
+    spot: tuple[float, float, float], pick_up: int, taken: int
+) -> None:
     match = gathering()
-    lay_boxes(match, (distance, 0, 0))
-    act(match, 1, seat_0={"pick_up": 1})
+    lay_boxes(match, spot)
+    act(match, 1, seat_0={"pick_up": pick_up})
     assert match.state.agents.supplies[0, 0] == taken
-
-
-def test_a_box_on_the_next_storey_is_out_of_reach() -> None:
-    match = gathering()
-    lay_boxes(match, (0, 3, 0))
-    act(match, 1, seat_0={"pick_up": 1})
-    assert match.state.agents.supplies[0, 0] == 0
-
-
-def test_without_the_action_nothing_is_picked_up() -> None:
-    match = gathering()
-    lay_boxes(match, (0, 0, 0))
-    act(match, 3)
-    assert match.state.agents.supplies[0, 0] == 0
-    assert match.seen.can_pick_up[0, 0]
+    assert match.seen.can_pick_up[0, 0] == (not pick_up)
 
 
 def test_a_frame_takes_one_box_the_nearest_first() -> None:
@@ -75,17 +72,6 @@ def test_no_seat_has_an_advantage_over_another(one: int, other: int) -> None:
     assert abs(won[one] - won[other]) < 80  # four standard deviations
 
 
-def test_no_box_comes_from_nowhere_while_robots_gather_and_die() -> None:
-    seats = ("gatherer", "fighter", "gatherer", "fighter")
-    spec = MatchSpec(track="battle", map=WILD, seats=seats, seed=3, time_limit=60)
-    match = Match(spec, map_of(WILD))
-    total = match.state.supplies.quantity.sum()
-    while not match.over:
-        match.step(np.zeros((4, 8)))
-        assert match.state.supplies.quantity.sum() + match.state.agents.supplies.sum() == total
-    assert match.state.agents.supplies.sum() > 0
-
-
 REFRESHES = SupplyConfig(
     waves=tuple(
         SupplyWave(time=time, center=(5.0 * time, 0.0), radius=20.0, outdoor_richness=50.0)
@@ -107,11 +93,11 @@ def random_rows(random: np.random.Generator, seats: int) -> np.ndarray:
 @pytest.mark.parametrize("seed", range(4))
 def test_supplies_are_conserved_in_every_frame_of_a_battle(seed: int) -> None:
     random = np.random.default_rng(seed)
-    rules = Rules(shot_damage=100, respawn_time=0.5, invincible_time=0.1, supply_loss=0.3 + 0.2 * seed)
+    loss = {"supply_loss": 0.3 + 0.2 * seed, "bounty": 20 * (seed % 2)}
+    rules = Rules(shot_damage=100, respawn_time=0.5, invincible_time=0.1, **loss)  # type: ignore[arg-type]
     world = flat_world(60)
-    match = make_match(
-        world=world, seats=12, seed=seed, supplies=REFRESHES, rules=rules, frames_per_action=1, time_limit=8
-    )
+    timing: dict[str, Any] = {"frames_per_action": 1, "time_limit": 8}
+    match = make_match(world=world, seats=12, seed=seed, supplies=REFRESHES, rules=rules, **timing)
     agents, supplies = match.state.agents, match.state.supplies
     total = int(supplies.quantity.sum())
     while not match.over:
@@ -120,7 +106,7 @@ def test_supplies_are_conserved_in_every_frame_of_a_battle(seed: int) -> None:
         match.step(random_rows(random, 12))
         there = supplies.appears[0] <= match.frame
         on_ground, to_come = supplies.quantity[0, there].sum(), supplies.quantity[0, ~there].sum()
-        assert on_ground + agents.supplies.sum() + to_come == total
+        assert on_ground + agents.supplies.sum() + to_come == total + rules.bounty * agents.kills.sum()
         assert supplies.quantity.min() >= 0
         if match.frame % 40 == 0:
             assert boxes_in_lists(match) == np.nonzero(supplies.quantity[0])[0].tolist()
@@ -142,9 +128,7 @@ def boxes_in_lists(match: Match) -> list[int]:
 
 
 def test_who_dies_where_no_slot_is_free_keeps_its_supplies() -> None:
-    match = make_match(seats=2, supplies=RICH, rules=Rules(shot_damage=100))
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10))
+    match = duel(supplies=RICH, rules=Rules(shot_damage=100))
     match.state.supplies.quantity[:] = 1
     match.state.agents.supplies[0, 1] = 10
     act(match, 1, seat_0={"shoot": 1})
@@ -155,9 +139,7 @@ def test_who_dies_where_no_slot_is_free_keeps_its_supplies() -> None:
 
 @pytest.mark.parametrize(("share", "dropped"), [(0.0, 0), (0.5, 3), (1.0, 7)])
 def test_a_share_is_dropped_rounded_down(share: float, dropped: int) -> None:
-    match = make_match(seats=2, supplies=RICH, rules=Rules(shot_damage=100, supply_loss=share))
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10))
+    match = duel(supplies=RICH, rules=Rules(shot_damage=100, supply_loss=share))
     lay_boxes(match)
     match.state.agents.supplies[0, 1] = 7
     act(match, 1, seat_0={"shoot": 1})
@@ -166,13 +148,10 @@ def test_a_share_is_dropped_rounded_down(share: float, dropped: int) -> None:
 
 
 def test_a_dropped_box_has_a_number_of_its_own_and_lies_in_a_slot_used_before() -> None:
-    match = make_match(
-        seats=2, supplies=RICH, rules=Rules(shot_damage=100, respawn_time=0.1, invincible_time=0)
-    )
+    match = duel(supplies=RICH, rules=Rules(shot_damage=100, respawn_time=0.1, invincible_time=0))
     serials = set(match.state.supplies.serial[0, match.state.supplies.quantity[0] > 0].tolist())
     lay_boxes(match)
     for death in range(20):
-        place(match, 0, (0, 0, 0))
         place(match, 1, (0.1 * death, 0, 10), yaw=180)
         match.state.agents.clip[0], match.state.agents.supplies[0, 1] = 15, 4
         aim = float(np.degrees(np.arctan2(0.1 * death, 10)))

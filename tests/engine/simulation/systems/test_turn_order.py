@@ -15,11 +15,8 @@ from wildscav_engine.simulation.systems.turn_order import draw_turns
 
 FRAMES = 24_000
 ROUNDS = 900
-GROUP = (
-    9,
-    0,
-    1,
-)  # neighbours in a cycle of ten seats: taking turns in such a cycle is unfair to the middle one
+# Neighbours in a cycle of ten seats: taking turns in such a cycle is unfair to the middle one.
+GROUP = (9, 0, 1)
 
 
 @kernel

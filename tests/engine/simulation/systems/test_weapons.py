@@ -1,26 +1,18 @@
 """Rulings on the weapon: what a shot costs, hits and stops at."""
 
+from typing import Any
+
 import numpy as np
 import pytest
-from tests.builders import act, box, flat_world, make_match, place
+from tests.builders import act, box, duel, flat_world, make_match, place
 
-from wildscav_engine.geometry.world import Kind, Solid, World
-from wildscav_engine.simulation.match import Match
+from wildscav_engine.geometry.world import Kind, Solid
 from wildscav_engine.specs.rules import Rules
 
-SHOOT = {"shoot": 1}
+SHOOT: dict[str, float] = {"shoot": 1}
 
 
-def duel(solids: list[Solid] | None = None, rules: Rules | None = None) -> Match:
-    """Seat 0 looks north at seat 1, ten metres away, who looks back."""
-    world: World = flat_world(solids=solids or [])
-    match = make_match(seats=2, world=world, rules=rules or Rules())
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10), yaw=180)
-    return match
-
-
-def test_a_hit_takes_20_health_and_is_told_to_both() -> None:
+def test_a_hit_takes_20_health_and_is_told_to_both_for_one_step() -> None:
     match = duel()
     act(match, 1, seat_0=SHOOT)
     agents = match.state.agents
@@ -29,47 +21,80 @@ def test_a_hit_takes_20_health_and_is_told_to_both() -> None:
     assert agents.hit_by_seat[0].tolist() == [-1, 0]
     assert agents.fired[0].tolist() == [True, False]
     assert agents.shot_end[0, 0] == pytest.approx([0, 1.5, 9.55])
-
-
-def test_news_of_a_hit_lasts_one_step() -> None:
-    match = duel()
-    act(match, 1, seat_0=SHOOT)
     act(match, 1)
-    assert match.state.agents.hit_seat[0, 0] == -1
-    assert match.state.agents.hit_by_seat[0, 1] == -1
-    assert not match.state.agents.fired[0, 0]
+    assert (agents.hit_seat[0, 0], agents.hit_by_seat[0, 1], agents.fired[0, 0]) == (-1, -1, False)
 
 
-def test_the_weapon_fires_five_times_a_second() -> None:
-    match = duel()
-    act(match, 10, seat_0=SHOOT)
-    assert match.state.agents.shots[0, 0] == 5
-    assert match.state.agents.clip[0, 0] == 10
+RELOAD: dict[str, float] = {"reload": 1}
+BOTH = {**SHOOT, **RELOAD}
 
 
-@pytest.mark.parametrize(("yaw", "pitch", "hit"), [(0, 0, True), (2, 0, True), (4, 0, False), (0, -5, False)])
-def test_only_an_aimed_shot_hits(yaw: float, pitch: float, hit: bool) -> None:
-    match = duel()
+@pytest.mark.parametrize(
+    ("frames", "spare", "moves"),
+    [
+        (5, 60, [(10, SHOOT, (10, 60, 5))]),  # it fires five times a second
+        (5, 60, [(1, RELOAD, (15, 60, 0)), (1, SHOOT, (14, 60, 1))]),  # a full clip is not reloaded
+        # An empty clip is silent until a reload is done.
+        (5, 60, [(40, SHOOT, (0, 60, 15)), (1, RELOAD, (0, 60, 15)), (18, SHOOT, (0, 60, 15))]),
+        (5, 60, [(40, SHOOT, (0, 60, 15)), (1, RELOAD, (0, 60, 15)), (21, SHOOT, (14, 45, 16))]),
+        (5, 4, [(40, SHOOT, (0, 4, 15)), (21, RELOAD, (4, 0, 15))]),  # no more rounds than there are
+        # An action is held: as long as it asks for a reload, one follows whenever the clip is not full.
+        (5, 60, [(1, SHOOT, (14, 60, 1)), (20, BOTH, (14, 60, 1)), (60, BOTH, (14, 57, 4))]),
+        # A reload takes two seconds to the frame, and cannot be hurried.
+        (1, 60, [(1, SHOOT, (14, 60, 1)), (100, BOTH, (14, 60, 1)), (1, RELOAD, (15, 59, 1))]),
+    ],
+)
+def test_rounds_in_the_clip_and_spare_and_shots(frames: int, spare: int, moves: list[Any]) -> None:
+    match = duel(rules=Rules(shot_damage=0, spare_ammo=spare), frames_per_action=frames)
+    agents = match.state.agents
+    for steps, action, wanted in moves:
+        act(match, steps, seat_0=action)
+        assert (agents.clip[0, 0], agents.spare_ammo[0, 0], agents.shots[0, 0]) == wanted
+
+
+def at(height: float) -> float:
+    """The pitch, degrees, at which a shot meets the other body at a height in m."""
+    return float(np.degrees(np.arctan2(1.5 - height, 9.55)))
+
+
+SILL, LINTEL = box((-5, 0, 5), (5, 1.0, 5.25)), box((-5, 2.2, 5), (5, 3, 5.25))
+
+
+@pytest.mark.parametrize(
+    ("yaw", "pitch", "solids", "hit"),
+    [
+        (0, 0, [], True),
+        (2, 0, [], True),
+        (4, 0, [], False),
+        (0, -5, [], False),
+        # A body is one upright cylinder from the soles to the crown.
+        (0, at(0.02), [], True),  # the feet
+        (0, at(1.0), [], True),
+        (0, at(1.77), [], True),  # the head: it is one shape with the body, and costs no more
+        (0, at(1.80), [], False),  # above it
+        (0, 0, [box((-5, 0, 5), (5, 3, 5.25))], False),  # a wall
+        (0, 0, [SILL, LINTEL], True),  # a window
+    ],
+)
+def test_an_aimed_shot_hits_a_body(yaw: float, pitch: float, solids: list[Solid], hit: bool) -> None:
+    match = duel(flat_world(solids=solids))
     place(match, 0, (0, 0, 0), yaw, pitch)
     act(match, 1, seat_0=SHOOT)
-    assert (match.state.agents.hits[0, 0] == 1) == hit
+    assert match.state.agents.hits[0, 0] == hit
+    assert match.state.agents.health[0, 1] == (80 if hit else 100)
 
 
-def test_a_wall_stops_a_shot_and_a_window_lets_it_through() -> None:
-    sill, lintel = box((-5, 0, 5), (5, 1.0, 5.25)), box((-5, 2.2, 5), (5, 3, 5.25))
-    wall = box((-5, 0, 5), (5, 3, 5.25))
-    for solids, hits in (([wall], 0), ([sill, lintel], 1)):
-        match = duel(solids)
-        act(match, 1, seat_0=SHOOT)
-        assert match.state.agents.hits[0, 0] == hits
-
-
-def test_a_shot_ends_in_the_first_body() -> None:
-    match = make_match(seats=3)
+@pytest.mark.parametrize("are_mates", [False, True])
+def test_a_shot_ends_in_the_first_body_and_hurts_no_teammate(*, are_mates: bool) -> None:
+    match = make_match(seats=3, teams=(0, 0, 1) if are_mates else None)
     for seat, z in enumerate((0, 5, 10)):
         place(match, seat, (0, 0, z))
     act(match, 1, seat_0=SHOOT)
-    assert match.state.agents.health[0].tolist() == [100, 80, 100]
+    agents = match.state.agents
+    assert agents.health[0].tolist() == [100, 100 if are_mates else 80, 100]
+    assert (agents.hit_seat[0, 0], agents.hit_by_seat[0, 1]) == ((-1, -1) if are_mates else (1, 0))
+    assert agents.hits[0, 0] == (not are_mates)
+    assert agents.shot_end[0, 0, 2] == pytest.approx(4.55)
 
 
 def test_nobody_is_hit_beyond_the_range() -> None:
@@ -77,46 +102,6 @@ def test_nobody_is_hit_beyond_the_range() -> None:
     act(match, 1, seat_0=SHOOT)
     assert match.state.agents.hits[0, 0] == 0
     assert match.state.agents.shot_end[0, 0, 2] == pytest.approx(9)
-
-
-def test_an_empty_clip_is_silent_until_a_reload_is_done() -> None:
-    match = duel(rules=Rules(shot_damage=0))
-    act(match, 40, seat_0=SHOOT)
-    assert match.state.agents.clip[0, 0] == 0
-    assert match.state.agents.shots[0, 0] == 15
-    act(match, 1, seat_0={"reload": 1})
-    act(match, 18, seat_0=SHOOT)
-    assert match.state.agents.shots[0, 0] == 15
-    act(match, 3, seat_0=SHOOT)
-    assert match.state.agents.spare_ammo[0, 0] == 45
-    assert match.state.agents.shots[0, 0] > 15
-
-
-def test_a_reload_takes_no_more_rounds_than_there_are() -> None:
-    match = duel(rules=Rules(spare_ammo=4, shot_damage=0))
-    act(match, 40, seat_0=SHOOT)
-    act(match, 21, seat_0={"reload": 1})
-    assert match.state.agents.clip[0, 0] == 4
-    assert match.state.agents.spare_ammo[0, 0] == 0
-
-
-def test_who_shoots_and_reloads_all_the_time_fires_one_round_between_two_reloads() -> None:
-    """An action is held: as long as it asks for a reload, one follows whenever the clip is not full."""
-    match = duel()
-    act(match, 1, seat_0=SHOOT)
-    act(match, 20, seat_0={"shoot": 1, "reload": 1})
-    assert (match.state.agents.shots[0, 0], match.state.agents.clip[0, 0]) == (1, 14)
-    act(match, 60, seat_0={"shoot": 1, "reload": 1})
-    assert match.state.agents.shots[0, 0] == 4
-    act(match, 21, seat_0={"reload": 1})
-    act(match, 10, seat_0=SHOOT)
-    assert match.state.agents.shots[0, 0] == 9
-
-
-def test_a_full_clip_is_not_reloaded() -> None:
-    match = duel()
-    act(match, 1, seat_0={"reload": 1})
-    assert match.state.agents.reload_left[0, 0] == 0
 
 
 def test_rounds_are_conserved() -> None:
@@ -129,32 +114,14 @@ def test_rounds_are_conserved() -> None:
 
 
 def test_shooting_is_no_part_of_gathering() -> None:
-    match = make_match("gathering", seats=2)
-    place(match, 0, (0, 0, 0))
-    place(match, 1, (0, 0, 10))
+    match = make_match("gathering")
     act(match, 5, seat_0=SHOOT)
     assert match.state.agents.shots[0, 0] == 0
 
 
-@pytest.mark.parametrize(
-    ("height", "hit"),
-    [
-        (0.02, True),  # the feet
-        (1.0, True),
-        (1.77, True),  # the head: it is one shape with the body, and costs no more
-        (1.80, False),  # above it
-    ],
-)
-def test_a_body_is_one_upright_cylinder_from_the_soles_to_the_crown(height: float, hit: bool) -> None:
-    match = duel()
-    place(match, 0, (0, 0, 0), pitch=float(np.degrees(np.arctan2(1.5 - height, 9.55))))
-    act(match, 1, seat_0=SHOOT)
-    assert match.state.agents.health[0, 1] == (80 if hit else 100)
-
-
 @pytest.mark.parametrize("kind", [Kind.WALL, Kind.CROWN, Kind.TRUNK, Kind.ROCK, Kind.FURNITURE, Kind.BUSH])
 def test_whatever_stands_in_the_way_is_cover(kind: Kind) -> None:
-    match = duel([box((-1, 0, 5), (1, 3, 6), kind)])
+    match = duel(flat_world(solids=[box((-1, 0, 5), (1, 3, 6), kind)]))
     act(match, 2, seat_0=SHOOT, seat_1=SHOOT)
     assert match.state.agents.health[0].tolist() == [100, 100]
     assert match.state.agents.shot_end[0, 0, 2] == pytest.approx(5)
@@ -168,22 +135,9 @@ def test_ground_is_cover() -> None:
     assert match.state.agents.shot_end[0, 0] == pytest.approx([0, 0, 1.5])
 
 
-def test_a_teammate_stops_a_shot_but_is_not_hurt_nor_hit() -> None:
-    match = make_match(seats=3, teams=(0, 0, 1))
-    for seat, z in enumerate((0, 5, 10)):
-        place(match, seat, (0, 0, z))
-    act(match, 1, seat_0=SHOOT)
-    agents = match.state.agents
-    assert agents.health[0].tolist() == [100, 100, 100]
-    assert agents.hit_seat[0].tolist() == agents.hit_by_seat[0].tolist() == [-1, -1, -1]
-    assert agents.hits[0, 0] == 0
-    assert agents.shot_end[0, 0, 2] == pytest.approx(4.55)
-
-
 @pytest.mark.parametrize(("interval", "frames"), [(0.2, 10), (0.02, 1), (0.5, 25), (0.005, 1)])
 def test_two_shots_are_so_many_frames_apart(interval: float, frames: int) -> None:
-    world = flat_world()
-    match = make_match(world=world, frames_per_action=1, rules=Rules(fire_interval=interval, clip_size=5))
+    match = make_match(frames_per_action=1, rules=Rules(fire_interval=interval, clip_size=5))
     fired = []
     for frame in range(60):
         act(match, 1, seat_0=SHOOT)
@@ -193,22 +147,10 @@ def test_two_shots_are_so_many_frames_apart(interval: float, frames: int) -> Non
     assert len(fired) == min(5, -(-60 // frames))
 
 
-def test_a_reload_takes_two_seconds_to_the_frame_and_cannot_be_hurried() -> None:
-    match = make_match(frames_per_action=1)
-    act(match, 1, seat_0=SHOOT)
-    act(match, 1, seat_0={"reload": 1})
-    act(match, 99, seat_0={"reload": 1, "shoot": 1})
-    agents = match.state.agents
-    assert (agents.clip[0, 0], agents.shots[0, 0]) == (14, 1)
-    act(match, 1, seat_0={"reload": 1})
-    assert (agents.clip[0, 0], agents.spare_ammo[0, 0]) == (15, 59)
-
-
 def test_the_last_of_several_hits_in_a_step_is_told() -> None:
     match = make_match(seats=3, rules=Rules(fire_interval=0.02, shot_damage=5))
-    place(match, 0, (0, 0, 0), yaw=0)
-    place(match, 1, (0, 0, 10), yaw=180)
-    place(match, 2, (0, 0, 20), yaw=180)
+    for seat in range(3):
+        place(match, seat, (0, 0, 10 * seat), yaw=180 * (seat > 0))
     act(match, 1, seat_0=SHOOT, seat_2=SHOOT)
     agents = match.state.agents
     assert agents.hits[0].tolist() == [5, 0, 5]

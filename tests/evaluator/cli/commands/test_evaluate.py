@@ -1,167 +1,127 @@
 """`wildscav evaluate` as its user runs it: agents in processes, files on disk, one clear line for errors."""
 
 import json
+import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.commands import Done, run_command
+from tests.evaluator.conftest import submission_in
 from tests.evaluator.results_by_hand import identity_of, results_of
-from tests.evaluator.sample_agents import WALKER, Command, Submit
+from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
+from tests.evaluator.small_matches import tiny_suite
 from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
 from wildscav_engine.record import read_record, save, verify_record
 from wildscav_evaluator.cli.sessions.playing import saving_errors
 from wildscav_evaluator.ledger.writer import LedgerWriter
-from wildscav_evaluator.output.results import KeptLimits, Results, read_results
+from wildscav_evaluator.output.results import KeptLimits, read_results
 from wildscav_evaluator.submissions.submission import folder_digest
 
 pytestmark = pytest.mark.usefixtures("compiled")
-SUITE = """
-name = "short"
-map = { size = 40, houses = 1 }
-[tracks.navigation]
-maps = 2
-match = { time_limit = 6 }
-"""
 
 
-@pytest.fixture
-def one_worker(warm_workers: WarmWorkers) -> Iterator[None]:
-    """Evaluations share a worker."""
+@pytest.fixture(scope="module")
+def evaluated(tmp_path_factory: pytest.TempPathFactory, warm_workers: WarmWorkers) -> tuple[Path, Done]:
+    """The folder of an evaluation of one that walks, one that crashes and one that sends invalid actions."""
+    place = tmp_path_factory.mktemp("evaluation")
+    runner = "    def act(self, observation): return Action(walk_speed=99.0, shoot=True)"
+    bodies = {"walker": WALKER, "crasher": CRASHER, "runner": runner}
+    folders = [submission_in(place, name, body).folder for name, body in bodies.items()]
+    options = (f"--suite={tiny_suite(place, maps=2, seconds=6)}", "--replays=first")
     with playing_with(warm_workers):
-        yield
+        return place / "out", run_command("evaluate", *folders, f"--out={place / 'out'}", *options)
 
 
-@pytest.fixture
-def worker_of_one_folder() -> Iterator[None]:
-    """Evaluations of one working directory, in which the first of them starts it, share a worker."""
-    with WarmWorkers() as workers, playing_with(workers):
-        yield
-
-
-@pytest.fixture
-def short(tmp_path: Path) -> Path:
-    """The file of a suite with two short matches."""
-    path = tmp_path / "short.toml"
-    path.write_text(SUITE)
-    return path
-
-
-def evaluate(
-    wildscav: Command, *folders: Path, out: Path, **options: object
-) -> "subprocess.CompletedProcess[str]":
-    arguments = [f"--{name}={value}" for name, value in options.items()]
-    return wildscav("evaluate", *folders, f"--out={out}", *arguments)
-
-
-def complaint(done: "subprocess.CompletedProcess[str]") -> str:
+def complaint(done: Done) -> str:
     """The one line that says what is wrong."""
-    (line,) = complaints(done)
+    assert "Traceback" not in done.stderr + done.stdout
+    (line,) = (line for line in done.stderr.splitlines() if line.startswith("wildscav: "))
     return line
 
 
-def complaints(done: "subprocess.CompletedProcess[str]") -> list[str]:
-    """The lines that say what is wrong, one a fault."""
-    assert "Traceback" not in done.stderr + done.stdout
-    return [line for line in done.stderr.splitlines() if line.startswith("wildscav: ")]
-
-
 @pytest.mark.slow
-@pytest.mark.usefixtures("one_worker")
-def test_a_failing_agent_harms_nobody(
-    wildscav: Command, pair: tuple[Path, Path], short: Path, tmp_path: Path
-) -> None:
-    done = evaluate(wildscav, *pair, out=tmp_path, suite=short, replays="first")
+def test_a_failing_agent_harms_nobody(evaluated: tuple[Path, Done]) -> None:
+    out, done = evaluated
 
     assert done.returncode == 1
     assert "crasher failed in every match of navigation" in complaint(done)
     assert r"RuntimeError: lost the thread \x1b[2J[/]\u202e" in complaint(done)
     assert not {"\x1b", "\u202e"} & set(done.stdout + done.stderr), "no agent's text steers the terminal"
-
-    results = read_results(tmp_path / "results.json")
-    walker, crasher = results.evaluations
-    assert (walker.submission, walker.faults, len(walker.matches)) == ("walker", 0, 2)
-    assert (crasher.submission, crasher.faults, len(crasher.matches)) == ("crasher", 2, 2)
+    results = read_results(out / "results.json")
+    assert [(one.submission, one.faults, len(one.matches)) for one in results.evaluations] == [
+        ("walker", 0, 2),
+        ("crasher", 2, 2),
+        ("runner", 0, 2),
+    ]
+    crasher = results.evaluations[1]
     assert {row.status for row in crasher.matches} == {"crashed"}
     assert crasher.score is not None, "a match that an agent left is scored as it stands"
     assert results.sandbox == "process"
     assert results.limits == {"navigation": KeptLimits(output=1_000_000)}
-    check_files(tmp_path, results)
-    check_table(done.stdout)
-
-
-def check_files(out: Path, results: Results) -> None:
-    """Every match has its record, which holds; the first of each submission has a replay."""
-    for evaluation in results.evaluations:
-        assert [row.replay is not None for row in evaluation.matches] == [True] + [False] * (
-            len(evaluation.matches) - 1
-        )
-        for row in evaluation.matches:
-            assert row.record is not None
-            assert (out / row.record).stat().st_size > 0
-        assert evaluation.matches[0].replay is not None
-        assert (out / evaluation.matches[0].replay).stat().st_size > 1000
-    (log,) = results.evaluations[1].matches[0].logs
-    assert "lost the thread" in (out / log).read_text()
-    record = read_record(out / str(results.evaluations[0].matches[0].record))
-    assert verify_record(record).holds
-
-
-def check_table(output: str) -> None:
-    assert "navigation · suite short@" in output
-    assert "walker 1.0.0" in output
-    assert "success" in output
-    said = " ".join(output.split())
-    assert "sandbox process; each agent: 1 MB of output" in said
-    assert "time of the agents, measured at the engine" in said
-    assert "results.json" in output
-    assert "wildscav verify" in output
-    assert ".rrd" in output
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("one_worker")
-def test_invalid_actions_are_counted_and_told(
-    wildscav: Command, submit: Submit, short: Path, tmp_path: Path
+def test_every_match_has_its_record_and_the_first_of_each_submission_a_replay(
+    evaluated: tuple[Path, Done],
 ) -> None:
-    runner = submit("runner", "    def act(self, observation): return Action(walk_speed=99.0, shoot=True)")
-    walker = submit("walker", WALKER)
+    out, _ = evaluated
+    walker, crasher, _ = evaluations = read_results(out / "results.json").evaluations
 
-    done = evaluate(wildscav, runner.folder, walker.folder, out=tmp_path, suite=short, replays="none")
+    for first, second in (one.matches for one in evaluations):
+        assert (out / str(first.replay)).stat().st_size > 1000
+        assert second.replay is None
+        assert all((out / str(row.record)).stat().st_size > 0 for row in (first, second))
+    (log,) = crasher.matches[0].logs
+    assert log == "logs/navigation-000-crasher.log"
+    assert "lost the thread" in (out / log).read_text()
+    assert verify_record(read_record(out / str(walker.matches[0].record))).holds
 
-    first, second = read_results(tmp_path / "results.json").evaluations
-    assert done.returncode == 0
-    ones, others = ([row.seats[0] for row in one.matches] for one in (first, second))
-    assert all(seat.invalid_actions == seat.actions > 50 for seat in ones)
-    assert all(seat.invalid_actions == seat.ignored_fields == 0 < seat.actions for seat in others)
-    total = sum(seat.actions for seat in ones)
+
+@pytest.mark.slow
+def test_the_command_shows_scores_times_invalid_actions_and_where_everything_is(
+    evaluated: tuple[Path, Done],
+) -> None:
+    out, done = evaluated
     said = " ".join(done.stdout.split())
-    assert f"runner on navigation: {total:,} of {total:,} actions were invalid" in said
-    assert "walk_speed must be 0 to 10 m/s" in said
+    walker, _, runner = (
+        [row.seats[0] for row in one.matches] for one in read_results(out / "results.json").evaluations
+    )
+
+    assert all(seat.invalid_actions == seat.actions > 50 for seat in runner)
+    assert all(seat.invalid_actions == seat.ignored_fields == 0 < seat.actions for seat in walker)
+    total = sum(seat.actions for seat in runner)
+    for text in (
+        *("navigation · suite tiny@", "walker 1.0.0", "success", "results.json", "wildscav verify", ".rrd"),
+        "sandbox process; each agent: 1 MB of output",
+        "time of the agents, measured at the engine",
+        f"runner on navigation: {total:,} of {total:,} actions were invalid",
+        "walk_speed must be 0 to 10 m/s",
+    ):
+        assert text in said
     assert "walker on navigation: " not in said.replace("walker on navigation: 2 matches", "")
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("one_worker")
 def test_a_record_with_one_action_changed_no_longer_holds(
-    wildscav: Command, submit: Submit, short: Path, tmp_path: Path
+    wildscav: Command, evaluated: tuple[Path, Done], tmp_path: Path
 ) -> None:
-    evaluate(wildscav, submit("walker", WALKER).folder, out=tmp_path, suite=short, replays="none")
-    path = tmp_path / "records" / "navigation-000-walker.wsr"
+    out, _ = evaluated
+    path = Path(shutil.copy(out / "records" / "navigation-000-walker.wsr", tmp_path))
     record = read_record(path)
     actions = record.actions.copy()
     actions.view(np.uint8)[record.steps // 2, 0, 1] ^= 1
-
     save(replace(record, actions=actions), path)  # with a checksum that fits
 
     done = wildscav("verify", path)
+
     assert done.returncode == 1
     assert f"step {record.steps // 2 + 1}" in done.stdout + done.stderr
-    assert wildscav("verify", tmp_path / "records" / "navigation-001-walker.wsr").returncode == 0
+    assert wildscav("verify", out / "records" / "navigation-001-walker.wsr").returncode == 0
 
 
 @pytest.mark.parametrize(
@@ -206,9 +166,12 @@ def test_bad_options_are_usage_errors(wildscav: Command, arguments: list[str]) -
 
 @pytest.mark.slow
 def test_a_full_disk_ends_the_evaluation_in_one_clear_line(submit: Submit, tmp_path: Path) -> None:
-    walker, out = submit("walker", WALKER), tmp_path / "out"
-    arguments = ["evaluate", walker.folder, f"--out={out}", "--replays=none"]
-    done = run_with_file_limit(arguments)
+    """Files cannot grow beyond 1.5 or 3 kB: as on a full disk, writes fail."""
+    out, program = tmp_path / "out", Path(sys.executable).parent / "wildscav"
+    arguments = (program, "evaluate", submit("walker", WALKER).folder, f"--out={out}", "--replays=none")
+    command = ["sh", "-c", 'ulimit -f 3 && exec "$@"', "sh", *map(str, arguments)]
+
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
 
     assert done.returncode == 1
     # What is not in the ledger does not count, so nothing more is played.
@@ -216,58 +179,32 @@ def test_a_full_disk_ends_the_evaluation_in_one_clear_line(submit: Submit, tmp_p
     assert not list(out.rglob("results.json*")), "no half-written file is left"
 
 
-def run_with_file_limit(arguments: list[object]) -> "subprocess.CompletedProcess[str]":
-    """Run a command that cannot write a file beyond 1.5 or 3 kB: as on a full disk, writes fail."""
-    program = Path(sys.executable).parent / "wildscav"
-    command = ["sh", "-c", 'ulimit -f 3 && exec "$@"', "sh", str(program), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300)
-
-
-TINY = """
-name = "tiny"
-[map]
-size = 40
-houses = 1
-[tracks.navigation]
-maps = 7
-episodes = 1
-match = { time_limit = 2 }
-"""
-
-
 @pytest.mark.slow
-@pytest.mark.usefixtures("worker_of_one_folder")
 def test_an_edited_agent_is_evaluated_beside_its_former_self(
     wildscav: Command, submit: Submit, tmp_path: Path
 ) -> None:
     folder = submit("mine", WALKER).folder
-    (tmp_path / "tiny.toml").write_text(TINY)
-    arguments = ("evaluate", folder, "--suite=tiny.toml", "--replays=none")
+    suite = tiny_suite(tmp_path, maps=7, seconds=2)
+    arguments = ("evaluate", folder, f"--suite={suite}", "--replays=none", "--json")
 
-    first = wildscav(*arguments, cwd=tmp_path)
-    assert first.returncode == 0, first.stderr
-    assert "since last time" not in first.stdout
+    # The first evaluation starts the worker, in the working directory of all.
+    with WarmWorkers() as workers, playing_with(workers):
+        first = wildscav(*arguments, cwd=tmp_path)
+        for file, old, new in (("submission.toml", "1.0.0", "2.0.0"), ("agent.py", "6.0", "0.0")):
+            (folder / file).write_text((folder / file).read_text().replace(old, new))
+        second, again, fresh = (wildscav(*arguments, *more, cwd=tmp_path) for more in ((), (), ("--fresh",)))
 
-    manifest = folder / "submission.toml"
-    manifest.write_text(manifest.read_text().replace("1.0.0", "2.0.0"))
-    (folder / "agent.py").write_text((folder / "agent.py").read_text().replace("6.0", "0.0"))
-    second = wildscav(*arguments, cwd=tmp_path)
-    assert second.returncode == 0, second.stderr
-    assert "since last time" in second.stdout
-    assert "0001 1.0.0" in " ".join(second.stdout.split())
-
-    again = wildscav(*arguments, "--json", cwd=tmp_path)
-    assert again.returncode == 0
+    assert [done.returncode for done in (first, second, again, fresh)] == [0] * 4, first.stderr
+    assert "since last time" not in first.stderr
+    assert "since last time" in second.stderr
+    assert "0001 1.0.0" in " ".join(second.stderr.split())
     assert "all 7 matches were played before" in again.stderr
+    assert "played before" not in fresh.stderr
     document = json.loads(again.stdout)
     assert document["folder"] == "out/evaluations/0002-mine"
     assert document["results"]["evaluations"][0]["version"] == "2.0.0"
     (since,) = document["since_last"]
     assert (since["folder"], since["version"], since["comparison"]["pairs"]) == ("0001-mine", "1.0.0", 7)
-
-    fresh = wildscav(*arguments, "--fresh", cwd=tmp_path)
-    assert fresh.returncode == 0
-    assert "played before" not in fresh.stdout
     kept = sorted(path.name for path in (tmp_path / "out" / "evaluations").iterdir())
     assert kept == ["0001-mine", "0002-mine", "0003-mine"]
 

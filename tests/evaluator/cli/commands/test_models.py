@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.sample_agents import ASKER, Command, Submit
+from tests.evaluator.small_matches import tiny_suite
 from tests.scripted_model import ScriptedModel, in_turn, said
 
 from wildscav_engine.record import read_record
@@ -17,21 +18,14 @@ from wildscav_evaluator.suites.suite import SUITES
 
 pytestmark = pytest.mark.usefixtures("compiled")
 KEY = "sk-the-organizers-own"
-SUITE = """
-name = "short"
-map = { size = 40, houses = 0 }
-[tracks.navigation]
-maps = 1
-match = { time_limit = 1.0 }
-"""
 
 
 def test_an_evaluation_names_its_model_and_its_ledger_what_was_asked(
     submit: Submit, tmp_path: Path, wildscav: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("MODEL_KEY", KEY)
-    suite, file, out = tmp_path / "short.toml", tmp_path / "model.toml", tmp_path / "out"
-    suite.write_text(SUITE)
+    suite, file, out = tiny_suite(tmp_path, maps=1, seconds=1), tmp_path / "model.toml", tmp_path / "out"
+
     options = ("--suite", suite, "--sandbox=process", "--replays=none", "--out", out, "--model", file)
     with ScriptedModel(in_turn(said("go on")), key=KEY) as model:
         file.write_text(f'url = "{model.url}"\nname = "tiny"\nkey_env = "MODEL_KEY"\n')

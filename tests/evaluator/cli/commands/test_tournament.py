@@ -174,7 +174,8 @@ def test_changed_ratings_and_exchanged_records_are_found_out(
     assert "tournament.json" in str(refused.value)
 
     # Two matches of one game have the same spec, and other entrants in the seats.
-    agents_alone = [path for path in (out / "records").glob("*.wsr") if _of_agents(path)]
+    records = (out / "records").glob("*.wsr")
+    agents_alone = [path for path in records if set(read_record(path).spec.seats) == {"submission"}]
     first, second = sorted(agents_alone)
     assert read_record(first).spec == read_record(second).spec
     content = first.read_bytes()
@@ -185,10 +186,6 @@ def test_changed_ratings_and_exchanged_records_are_found_out(
     said = capsys.readouterr().err + str(refused.value)
     number = int(first.stem.removeprefix("battle-"))
     assert f"records/{first.name}: is not match {number} of the tournament" in said
-
-
-def _of_agents(path: Path) -> bool:
-    return set(read_record(path).spec.seats) == {"submission"}
 
 
 @pytest.mark.parametrize(

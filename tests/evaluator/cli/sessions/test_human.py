@@ -14,7 +14,7 @@ from wildscav.errors import UserError
 from wildscav_evaluator.cli.sessions.human import person_in_suite
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
-from wildscav_evaluator.output.results import CURRENT_VERSIONS, Results, read_results
+from wildscav_evaluator.output.results import CURRENT_VERSIONS, read_results
 from wildscav_evaluator.scores.leaderboard import standings
 from wildscav_stage.playing.plan import Plan
 
@@ -112,9 +112,7 @@ def test_a_person_stands_beside_the_agents_that_played_the_same_matches(
     agents = scored_results({("a", "gathering"): [9.0]}, sandbox="bubblewrap", memory=2**30, model=MODEL)
     name = changed.pop("name", "ann")
     person = scored_results({(name, "gathering"): [5.0]}, sandbox="browser", **changed)
-    assert boards(agents, person) == tables
-
-
-def boards(*results: Results) -> list[list[tuple[int | None, str]]]:
-    found = [[(row.rank, row.evaluation.submission) for row in one.rows] for one in standings(results)]
-    return sorted((rows for rows in found), key=str)
+    found = [
+        [(row.rank, row.evaluation.submission) for row in one.rows] for one in standings([agents, person])
+    ]
+    assert sorted(found, key=str) == tables

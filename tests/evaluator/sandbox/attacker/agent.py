@@ -28,16 +28,15 @@ PTRACE_ATTACH, PTRACE_DETACH = 16, 17
 IN_OPEN = 0x20
 F_OFD_SETLK, F_SET_RW_HINT = 37, 1036
 KEYCTL, IO_URING_SETUP, PROCESS_VM_READV = 250, 425, 310  # x86-64
-ATTACKS: dict[str, Callable[[], object]] = {}
+
+
+def shared() -> int:
+    """Open a file that other agents have, too."""
+    return os.open("/usr/bin/env", os.O_RDONLY)
 
 
 class FailedError(Exception):
     """An attack did not work."""
-
-
-def attack(function: Callable[[], object]) -> Callable[[], object]:
-    ATTACKS[function.__name__] = function
-    return function
 
 
 def call(function: str, *arguments: object) -> int:
@@ -74,37 +73,6 @@ def connect(family: int, address: object) -> None:
         plug.connect(address)
 
 
-@attack
-def network_ipv4() -> None:
-    connect(socket.AF_INET, ("127.0.0.1", ORDERS["port_ipv4"]))
-
-
-@attack
-def network_ipv6() -> None:
-    connect(socket.AF_INET6, ("::1", ORDERS["port_ipv6"]))
-
-
-@attack
-def network_abstract_unix_socket() -> None:
-    connect(socket.AF_UNIX, "\0" + ORDERS["abstract_socket"])
-
-
-@attack
-def network_socket_of_another_seat() -> None:
-    connect(socket.AF_UNIX, ORDERS["other_socket"])
-
-
-@attack
-def network_other_families() -> None:
-    socket.socket(socket.AF_NETLINK, socket.SOCK_RAW).close()
-
-
-@attack
-def files_read_engine_seeds() -> None:
-    Path(ORDERS["seeds"]).read_text()
-
-
-@attack
 def files_read_engine_seeds_by_another_root() -> None:
     """The roots of other processes are doors to their files."""
     doors = [f"/proc/{entry}/root" for entry in os.listdir("/proc") if entry.isdecimal()]
@@ -117,38 +85,11 @@ def files_read_engine_seeds_by_another_root() -> None:
     raise FailedError("no door leads there")
 
 
-@attack
-def files_read_another_agents_code() -> None:
-    Path(ORDERS["other_code"]).read_text()
-
-
-@attack
-def files_read_another_agents_temporary_file() -> None:
-    Path(ORDERS["other_file"]).read_text()
-
-
-@attack
 def files_read_users() -> None:
     if Path("/etc/passwd").read_text() != ORDERS["users"]:
         raise FailedError("these are not the machine's")
 
 
-@attack
-def files_write_host() -> None:
-    Path(ORDERS["folder"], "written").write_text("x")
-
-
-@attack
-def files_write_own_code() -> None:
-    Path("left-behind").write_text("x")
-
-
-@attack
-def files_write_kernel_settings() -> None:
-    os.close(os.open("/proc/sys/kernel/core_pattern", os.O_WRONLY))
-
-
-@attack
 def files_make_a_device() -> None:
     """The null device, but it could have been the disk."""
     path = f"{ORDERS['folder']}/device" if Path(ORDERS["folder"]).exists() else "/tmp/device"
@@ -156,7 +97,6 @@ def files_make_a_device() -> None:
     os.unlink(path)
 
 
-@attack
 def processes_find_others() -> None:
     for entry in os.listdir("/proc"):
         if entry.isdecimal() and ORDERS["marker"] in command_line(entry):
@@ -171,12 +111,6 @@ def command_line(process: str) -> str:
         return ""
 
 
-@attack
-def processes_kill_others() -> None:
-    os.kill(ORDERS["other_process"], 0)  # whether it would be allowed
-
-
-@attack
 def processes_read_tokens_of_others() -> None:
     for entry in os.listdir("/proc"):
         try:
@@ -187,7 +121,6 @@ def processes_read_tokens_of_others() -> None:
     raise FailedError("no environment has it")
 
 
-@attack
 def processes_read_memory_of_others() -> None:
     with open(f"/proc/{ORDERS['other_process']}/maps") as maps:
         start = int(maps.readline().split("-")[0], 16)
@@ -197,24 +130,12 @@ def processes_read_memory_of_others() -> None:
     call("syscall", PROCESS_VM_READV, ORDERS["other_process"], here, 1, there, 1, 0)
 
 
-@attack
 def processes_trace_others() -> None:
     call("ptrace", PTRACE_ATTACH, ORDERS["other_process"], None, None)
     os.waitpid(ORDERS["other_process"], 0x4000_0000)
     call("ptrace", PTRACE_DETACH, ORDERS["other_process"], None, None)
 
 
-@attack
-def processes_trace_own_child() -> None:
-    must_work(child(lambda: call("ptrace", 0, 0, None, None)))
-
-
-@attack
-def kernel_user_namespace() -> None:
-    must_work(child(lambda: call("unshare", NEW_USER)))
-
-
-@attack
 def kernel_user_namespace_by_clone() -> None:
     stack = ctypes.create_string_buffer(65536)
     function = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)(lambda _: 0)
@@ -222,7 +143,6 @@ def kernel_user_namespace_by_clone() -> None:
     os.waitpid(call("clone", function, top, NEW_USER | signal.SIGCHLD, None), 0)
 
 
-@attack
 def kernel_mount() -> None:
     def mount() -> None:
         call("unshare", NEW_MOUNTS)
@@ -231,17 +151,6 @@ def kernel_mount() -> None:
     must_work(child(mount))
 
 
-@attack
-def kernel_become_root() -> None:
-    must_work(child(lambda: os.setuid(0)))
-
-
-@attack
-def kernel_key_rings() -> None:
-    call("syscall", KEYCTL, 0, -3, 1)
-
-
-@attack
 def kernel_io_uring() -> None:
     try:
         call("syscall", IO_URING_SETUP, 1, None)
@@ -250,7 +159,6 @@ def kernel_io_uring() -> None:
             raise
 
 
-@attack
 def limits_open_files() -> None:
     opened = []
     try:
@@ -261,13 +169,11 @@ def limits_open_files() -> None:
             os.close(file)
 
 
-@attack
 def limits_raise_them() -> None:
     many = ORDERS["open_files"]
     resource.setrlimit(resource.RLIMIT_NOFILE, (many, many))
 
 
-@attack
 def limits_fill_disk() -> None:
     """In any one place that can be written to."""
     places = ["/tmp", "/dev/shm", "/var/tmp", "/run", "/dev", "/", ORDERS["folder"], os.getcwd(), "/proc"]
@@ -286,53 +192,21 @@ def limits_fill_disk() -> None:
     raise FailedError("no place takes so much")
 
 
-@attack
 def files_watch_what_others_run() -> None:
     watcher = call("inotify_init1", os.O_NONBLOCK)
     call("inotify_add_watch", watcher, b"/usr/bin", IN_OPEN)
 
 
-@attack
-def files_watch_by_signals() -> None:
-    fcntl.fcntl(os.open("/usr/bin", os.O_RDONLY), fcntl.F_NOTIFY, 0)
-
-
-@attack
-def files_lock_shared_ones() -> None:
-    """Another seat that tries the same lock learns a bit."""
-    fcntl.flock(os.open("/usr/bin", os.O_RDONLY), fcntl.LOCK_EX)
-
-
-@attack
-def files_lock_parts_of_shared_ones() -> None:
-    """Each byte's lock is a bit."""
-    fcntl.lockf(os.open("/usr/bin/env", os.O_RDONLY), fcntl.LOCK_SH, 1)
-
-
-@attack
 def files_lock_parts_by_open_files() -> None:
     lock = struct.pack("hhqqi4x", fcntl.F_RDLCK, 0, 0, 1, 0)
-    fcntl.fcntl(os.open("/usr/bin/env", os.O_RDONLY), F_OFD_SETLK, lock)
+    fcntl.fcntl(shared(), F_OFD_SETLK, lock)
 
 
-@attack
-def files_leave_hints_on_shared_ones() -> None:
-    """The kernel keeps with a file how long somebody said that its data will live."""
-    fcntl.fcntl(os.open("/usr/bin/env", os.O_RDONLY), F_SET_RW_HINT, struct.pack("Q", 3))
-
-
-@attack
-def files_drop_shared_ones_from_memory() -> None:
-    os.posix_fadvise(os.open("/usr/bin/env", os.O_RDONLY), 0, 0, os.POSIX_FADV_DONTNEED)
-
-
-@attack
 def files_ask_whether_shared_ones_are_in_memory() -> None:
     with contextlib.suppress(BlockingIOError):  # it is not, which is an answer
-        os.preadv(os.open("/usr/bin/env", os.O_RDONLY), [bytearray(1)], 0, os.RWF_NOWAIT)
+        os.preadv(shared(), [bytearray(1)], 0, os.RWF_NOWAIT)
 
 
-@attack
 def limits_processor_time() -> None:
     hogs, started = 8, time.monotonic()
     before = os.times()
@@ -351,7 +225,6 @@ def burn(until: float) -> int:
     os._exit(0)
 
 
-@attack
 def limits_fork_bomb() -> None:
     children: list[int] = []
     try:
@@ -367,9 +240,52 @@ def limits_fork_bomb() -> None:
             os.waitpid(process, 0)
 
 
-@attack
-def limits_memory_bomb() -> None:
-    must_work(child(lambda: bytearray(b"x") * ORDERS["memory"]))
+ATTACKS: dict[str, Callable[[], object]] = {
+    "network_ipv4": lambda: connect(socket.AF_INET, ("127.0.0.1", ORDERS["port_ipv4"])),
+    "network_ipv6": lambda: connect(socket.AF_INET6, ("::1", ORDERS["port_ipv6"])),
+    "network_abstract_unix_socket": lambda: connect(socket.AF_UNIX, "\0" + ORDERS["abstract_socket"]),
+    "network_socket_of_another_seat": lambda: connect(socket.AF_UNIX, ORDERS["other_socket"]),
+    "network_other_families": lambda: socket.socket(socket.AF_NETLINK, socket.SOCK_RAW).close(),
+    "files_read_engine_seeds": lambda: Path(ORDERS["seeds"]).read_text(),
+    "files_read_engine_seeds_by_another_root": files_read_engine_seeds_by_another_root,
+    "files_read_another_agents_code": lambda: Path(ORDERS["other_code"]).read_text(),
+    "files_read_another_agents_temporary_file": lambda: Path(ORDERS["other_file"]).read_text(),
+    "files_read_users": files_read_users,
+    "files_write_host": lambda: Path(ORDERS["folder"], "written").write_text("x"),
+    "files_write_own_code": lambda: Path("left-behind").write_text("x"),
+    "files_write_kernel_settings": lambda: os.close(os.open("/proc/sys/kernel/core_pattern", os.O_WRONLY)),
+    "files_make_a_device": files_make_a_device,
+    "processes_find_others": processes_find_others,
+    # Whether it would be allowed.
+    "processes_kill_others": lambda: os.kill(ORDERS["other_process"], 0),
+    "processes_read_tokens_of_others": processes_read_tokens_of_others,
+    "processes_read_memory_of_others": processes_read_memory_of_others,
+    "processes_trace_others": processes_trace_others,
+    "processes_trace_own_child": lambda: must_work(child(lambda: call("ptrace", 0, 0, None, None))),
+    "kernel_user_namespace": lambda: must_work(child(lambda: call("unshare", NEW_USER))),
+    "kernel_user_namespace_by_clone": kernel_user_namespace_by_clone,
+    "kernel_mount": kernel_mount,
+    "kernel_become_root": lambda: must_work(child(lambda: os.setuid(0))),
+    "kernel_key_rings": lambda: call("syscall", KEYCTL, 0, -3, 1),
+    "kernel_io_uring": kernel_io_uring,
+    "limits_open_files": limits_open_files,
+    "limits_raise_them": limits_raise_them,
+    "limits_fill_disk": limits_fill_disk,
+    "files_watch_what_others_run": files_watch_what_others_run,
+    "files_watch_by_signals": lambda: fcntl.fcntl(os.open("/usr/bin", os.O_RDONLY), fcntl.F_NOTIFY, 0),
+    # Another seat that tries the same lock learns a bit.
+    "files_lock_shared_ones": lambda: fcntl.flock(os.open("/usr/bin", os.O_RDONLY), fcntl.LOCK_EX),
+    # Each byte's lock is a bit.
+    "files_lock_parts_of_shared_ones": lambda: fcntl.lockf(shared(), fcntl.LOCK_SH, 1),
+    "files_lock_parts_by_open_files": files_lock_parts_by_open_files,
+    # The kernel keeps with a file how long somebody said that its data will live.
+    "files_leave_hints_on_shared_ones": lambda: fcntl.fcntl(shared(), F_SET_RW_HINT, struct.pack("Q", 3)),
+    "files_drop_shared_ones_from_memory": lambda: os.posix_fadvise(shared(), 0, 0, os.POSIX_FADV_DONTNEED),
+    "files_ask_whether_shared_ones_are_in_memory": files_ask_whether_shared_ones_are_in_memory,
+    "limits_processor_time": limits_processor_time,
+    "limits_fork_bomb": limits_fork_bomb,
+    "limits_memory_bomb": lambda: must_work(child(lambda: bytearray(b"x") * ORDERS["memory"])),
+}
 
 
 def main() -> None:

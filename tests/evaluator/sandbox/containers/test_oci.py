@@ -1,22 +1,19 @@
 """Containers: which engine runs them, what keeps their wall clock, and what is said where that cannot be."""
 
-import asyncio
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.available import missing
-from tests.evaluator.sandbox.sandbox_runs import LIMITS, listening, wait_until
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.sandbox.sandbox_runs import run_agent, wait_until
+from tests.evaluator.small_matches import need
 
-from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError
+from wildscav_evaluator.sandbox import SANDBOXES, SandboxError
 from wildscav_evaluator.sandbox.containers import container_engine as engine
 from wildscav_evaluator.sandbox.containers import wall_clock
-from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
-
-Submit = Callable[..., Submission]
 
 
 def test_without_an_engine_it_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -48,17 +45,9 @@ def test_only_engines_that_there_are_can_be_asked_for(monkeypatch: pytest.Monkey
 
 @pytest.mark.slow
 def test_a_container_that_cannot_be_made_leaves_nothing(submit: Submit, tmp_path: Path) -> None:
-    if missing("oci"):
-        pytest.skip(missing("oci"))
-    submission = submit("plain")
-
-    async def start(image: str) -> None:
-        launch = Launch(submission.folder, "agent:Player", address, "token", tmp_path / "log", LIMITS, image)
-        await (await SANDBOXES["oci"].start(launch)).stop()
-
-    missing_image = pytest.raises(SandboxError, match=r"create failed: .*nobody/has-this")
-    with listening(tmp_path / "match.sock") as address, missing_image:
-        asyncio.run(start("nobody/has-this"))
+    need("oci")
+    with pytest.raises(SandboxError, match=r"create failed: .*nobody/has-this"):
+        run_agent(SANDBOXES["oci"], submit("plain"), tmp_path, image="nobody/has-this")
 
     ours = f"label={engine.OWNER}={leftovers.owner()}"
     assert engine.call(engine.find_engine(), "ps", "-aq", "--filter", ours).stdout == b""

@@ -1,34 +1,20 @@
 """Bubblewrap refuses to start where it cannot keep its promises, and leaves nothing behind when it does."""
 
-import asyncio
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sandbox.available import missing
-from tests.evaluator.sandbox.sandbox_runs import LIMITS, listening
+from tests.evaluator.sample_agents import Submit
+from tests.evaluator.sandbox.sandbox_runs import LIMITS, run_agent
+from tests.evaluator.small_matches import need
 
-from wildscav_evaluator.sandbox import SANDBOXES, Launch, SandboxError
+from wildscav_evaluator.sandbox import SANDBOXES, SandboxError
 from wildscav_evaluator.sandbox.linux import cgroup
-from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
-
-Submit = Callable[..., Submission]
 
 
 @pytest.fixture(autouse=True)
 def _there() -> None:
-    if missing("bubblewrap"):
-        pytest.skip(missing("bubblewrap"))
-
-
-def start(submission: Submission, folder: Path, **options: object) -> None:
-    async def start_and_stop() -> None:
-        await (await SANDBOXES["bubblewrap"].start(launch)).stop()
-
-    with listening(folder / "match.sock") as address:
-        launch = Launch(submission.folder, "agent:Player", address, "token", folder / "log", **options)  # type: ignore[arg-type]
-        asyncio.run(start_and_stop())
+    need("bubblewrap")
 
 
 def test_without_control_groups_nothing_starts(
@@ -38,14 +24,14 @@ def test_without_control_groups_nothing_starts(
     monkeypatch.setattr(cgroup, "MOUNTS", tmp_path / "mountinfo")
 
     with pytest.raises(SandboxError, match="no limits on memory, processes and CPU: no control groups"):
-        start(submit("plain"), tmp_path)
+        run_agent(SANDBOXES["bubblewrap"], submit("plain"), tmp_path)
 
 
 def test_a_limit_that_the_kernel_does_not_take_is_named(submit: Submit, tmp_path: Path) -> None:
     limits = LIMITS.model_copy(update={"cpus": 1e9})
 
     with pytest.raises(SandboxError, match=r"a limit cannot be kept: .*cpu.* does not take"):
-        start(submit("plain"), tmp_path, limits=limits)
+        run_agent(SANDBOXES["bubblewrap"], submit("plain"), tmp_path, limits)
     assert_no_groups()
 
 
@@ -55,7 +41,7 @@ def test_without_bubblewrap_it_says_what_to_install(
     monkeypatch.setenv("PATH", str(tmp_path))
 
     with pytest.raises(SandboxError, match=r"install it \(package bubblewrap\)"):
-        start(submit("plain"), tmp_path)
+        run_agent(SANDBOXES["bubblewrap"], submit("plain"), tmp_path)
 
 
 def test_a_start_that_fails_is_no_fault_of_the_agent_and_leaves_nothing(
@@ -64,7 +50,7 @@ def test_a_start_that_fails_is_no_fault_of_the_agent_and_leaves_nothing(
     limits = LIMITS.model_copy(update={"open_files": 10**9})  # beyond what the kernel has
 
     with pytest.raises(SandboxError, match="bubblewrap could not start"):
-        start(submit("plain"), tmp_path, limits=limits)
+        run_agent(SANDBOXES["bubblewrap"], submit("plain"), tmp_path, limits)
     assert_no_groups()
 
 

@@ -1,6 +1,7 @@
 """What the kernel does for sandboxes: users, the policy of system calls, and memory kills."""
 
 import fcntl
+import itertools
 import os
 from pathlib import Path
 
@@ -39,31 +40,13 @@ def test_nothing_is_both_allowed_and_refused() -> None:
     assert ALLOWED.isdisjoint(EXACTLY)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "unshare",
-        "setns",
-        "mount",
-        "ptrace",
-        "process_vm_readv",
-        "keyctl",
-        "bpf",
-        "io_uring_setup",
-        "clone3",
-        "inotify_init1",
-    ],
-)
-def test_what_gets_agents_out_is_not_allowed(name: str) -> None:
-    allowed = {
-        name
-        for rule in container_profile(locks=True)["syscalls"]
-        if rule["action"] == "SCMP_ACT_ALLOW"
-        for name in rule["names"]
-    }
+def test_what_gets_agents_out_is_not_allowed() -> None:
+    profile = container_profile(locks=True)
+    allowed = [rule["names"] for rule in profile["syscalls"] if rule["action"] == "SCMP_ACT_ALLOW"]
+    out = "unshare setns mount ptrace process_vm_readv keyctl bpf io_uring_setup clone3 inotify_init1"
 
-    assert name not in allowed
-    assert container_profile(locks=True)["defaultAction"] == "SCMP_ACT_ERRNO"
+    assert {*out.split()}.isdisjoint(itertools.chain(*allowed))
+    assert profile["defaultAction"] == "SCMP_ACT_ERRNO"
 
 
 @pytest.mark.parametrize(("locks", "action"), [(False, "SCMP_ACT_ERRNO"), (True, "SCMP_ACT_ALLOW")])

@@ -73,12 +73,12 @@ def wait_for(page: Any, time: str) -> None:
     page.locator(".player-time", has_text=re.compile(f"^{time}")).wait_for(timeout=PATIENCE)
 
 
-def picture_of(page: Any) -> bytes:
-    """Return what the canvas shows, once it stands still."""
+def picture_of(page: Any, number: int = 0) -> bytes:
+    """Return what a canvas shows, once it stands still."""
     last = b""
     for _ in range(40):
         page.wait_for_timeout(250)
-        now = bytes(page.locator(".player-canvas").screenshot())
+        now = bytes(page.locator(".player-canvas").nth(number).screenshot())
         if now == last:
             return now
         last = now
@@ -206,6 +206,28 @@ def test_two_matches_have_one_time_and_one_view(
         assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]
 
 
+@pytest.mark.parametrize("view", ["Free", "Above"])
+def test_a_person_moves_the_cameras_of_two_matches_at_once(
+    browser: Any, record_of_track: Records, view: str
+) -> None:
+    records = [record_of_track("royale"), record_of_track("battle")]
+    with (
+        served(match_site("", records)) as address,
+        opened(browser, f"{address}/matches/0?with=1#t=5") as page,
+    ):
+        page.locator(".player-canvas[data-picture=whole]").nth(1).wait_for(timeout=PATIENCE)
+        page.get_by_role("button", name=view, exact=True).click()
+        for moved, other in ((0, 1), (1, 0)):
+            before = picture_of(page, other)
+            box = page.locator(".player-canvas").nth(moved).bounding_box()
+            page.mouse.move(box["x"] + 200, box["y"] + 150)
+            page.mouse.wheel(0, -600)
+            page.mouse.down()
+            page.mouse.move(box["x"] + 320, box["y"] + 180)
+            page.mouse.up()
+            assert difference(picture_of(page, other), before) > CHANGED
+
+
 def test_without_webgl_the_match_is_shown_from_above(browser: Any, site: str) -> None:
     program = shutil.which("chromium")
     with (
@@ -232,9 +254,14 @@ def test_a_file_plays_without_a_server(browser: Any, tmp_path: Path, record_of_t
     assert asked == []
 
 
-def test_nothing_keeps_people_out(browser: Any, site: str) -> None:
+@pytest.mark.parametrize("query", ["", "?with=1"], ids=["one match", "two"])
+def test_nothing_keeps_people_out(browser: Any, record_of_track: Records, query: str) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
-    with opened(browser, f"{site}#t=10", color_scheme="light", bypass_csp=True) as page:
+    records = [record_of_track("battle"), record_of_track("royale")]
+    with (
+        served(match_site("", records)) as address,
+        opened(browser, f"{address}/matches/0{query}#t=10", color_scheme="light", bypass_csp=True) as page,
+    ):
         for scheme, rules in (("light", {}), ("dark", {"runOnly": ["color-contrast"]})):
             page.emulate_media(color_scheme=scheme)
             found = axe.run(page, options={"resultTypes": ["violations"], **rules})

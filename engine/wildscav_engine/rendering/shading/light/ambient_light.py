@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel
 from wildscav_engine.geometry.rays import NOTHING_HIT, TERRAIN_HIT
 from wildscav_engine.geometry.world import World
-from wildscav_engine.rendering.hits import WATER_HIT
+from wildscav_engine.rendering.hits import WATER_HIT, is_same_surface
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
 from wildscav_engine.rendering.shading.light.ambient_occlusion import (
     ALMOST,
@@ -20,12 +20,12 @@ from wildscav_engine.rendering.shading.light.ambient_occlusion import (
 )
 from wildscav_engine.rendering.shading.light.columns import BLOCKED, ShadowColumns, is_blocked
 from wildscav_engine.rendering.shading.pixel_rows import (
-    Normals,
-    Places,
-    RayDirections,
     RowOfPixels,
     TracedRow,
+    Vectors,
     View,
+    vector_at,
+    vectors_in,
 )
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
@@ -90,13 +90,13 @@ def _write_skylight(upwards: ShadowColumns, world: World, row: TracedRow) -> Non
             continue
         for first in range(pieces[piece], pieces[piece + 1], SPAN):
             last = min(pieces[piece + 1], first + SPAN)
-            begins_roofed = is_roofed(upwards, world, place_of(pixels.place, first))
-            ends_roofed = is_roofed(upwards, world, place_of(pixels.place, last - 1))
+            begins_roofed = is_roofed(upwards, world, vector_at(pixels.place, first))
+            ends_roofed = is_roofed(upwards, world, vector_at(pixels.place, last - 1))
             if begins_roofed & ends_roofed:
                 _write_roofed(first, last, pixels)
             elif begins_roofed | ends_roofed:
                 for column in range(first, last):
-                    if is_roofed(upwards, world, place_of(pixels.place, column)):
+                    if is_roofed(upwards, world, vector_at(pixels.place, column)):
                         _write_roofed(column, column + 1, pixels)
 
 
@@ -107,7 +107,7 @@ def is_roofed(upwards: ShadowColumns, world: World, place: Vector) -> bool:
 
 
 @disjoint_kernel
-def write_skylight(normal: Normals, roofed: bool, ambient: NDArray[np.float32]) -> None:
+def write_skylight(normal: Vectors, roofed: bool, ambient: NDArray[np.float32]) -> None:
     """Write the ambient light on surfaces.
 
     Under the open sky most of it comes from above, in a house from all walls. It is slightly brighter on one
@@ -122,29 +122,21 @@ def write_skylight(normal: Normals, roofed: bool, ambient: NDArray[np.float32]) 
 @inlined_kernel
 def _write_roofed(first: int, last: int, pixels: RowOfPixels) -> None:
     """Write the ambient light from one column to before another, all under a roof."""
-    normal = pixels.normal
-    some = Normals(normal.east[first:last], normal.up[first:last], normal.north[first:last])
-    write_skylight(some, True, pixels.ambient[first:last])
+    write_skylight(vectors_in(pixels.normal, first, last), True, pixels.ambient[first:last])
 
 
 @disjoint_kernel
 def write_places_off(
-    view: View, ways: RayDirections, normal: Normals, distances: NDArray[np.float32], place: Places
+    view: View, ways: Vectors, normal: Vectors, distances: NDArray[np.float32], place: Vectors
 ) -> None:
     """Write the places slightly off the surfaces of a row, where rays to the light start."""
     x, y, z = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
     for column in range(distances.shape[0]):
         distance = min(FARTHEST, distances[column])
         lift = LIFT + LIFT_SHARE * distance
-        place.x[column] = x + (ways.east[column] * distance + normal.east[column] * lift)
-        place.y[column] = y + (ways.up[column] * distance + normal.up[column] * lift)
-        place.z[column] = z + (ways.north[column] * distance + normal.north[column] * lift)
-
-
-@inlined_kernel
-def place_of(place: Places, column: int) -> Vector:
-    """Return one of the places of a row."""
-    return float(place.x[column]), float(place.y[column]), float(place.z[column])
+        place.east[column] = x + (ways.east[column] * distance + normal.east[column] * lift)
+        place.up[column] = y + (ways.up[column] * distance + normal.up[column] * lift)
+        place.north[column] = z + (ways.north[column] * distance + normal.north[column] * lift)
 
 
 @inlined_kernel
@@ -164,9 +156,9 @@ def _write_each(row: TracedRow, depths: NDArray[np.float32], first: int, last: i
         is_wide = WIDE * distance * row.camera.pixel <= REACH
         if solid in (NOTHING_HIT, WATER_HIT):
             shares[column] = 1.0
-        elif is_wide and column & 1 and _is_same(solid, face, solids[left], faces[left]):
+        elif is_wide and column & 1 and is_same_surface(solid, face, solids[left], faces[left]):
             shares[column] = shares[left]
-        elif is_wide and number & 1 and _is_same(solid, face, solids_over[column], faces_over[column]):
+        elif is_wide and number & 1 and is_same_surface(solid, face, solids_over[column], faces_over[column]):
             shares[column] = above[column]
         else:
             tilt = row.pixels.tilt
@@ -211,9 +203,3 @@ def _are_one_surface(
         is_other |= is_other_face & np.int32(solids[0] != TERRAIN_HIT)
         is_other |= np.int32(distances[column] > far)
     return bool(is_other == 0)
-
-
-@inlined_kernel
-def _is_same(solid: int, face: int, other_solid: int, other_face: int) -> bool:
-    """Return whether two pixels show the same face of a solid, or both the ground."""
-    return bool((solid == other_solid) & ((face == other_face) | (solid == TERRAIN_HIT)))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
-from wildscav_engine.rendering.shading.pixel_rows import Normals, Tilts, View
+from wildscav_engine.rendering.shading.pixel_rows import Tilts, Vectors, View
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 REACH = 0.5  # m, up to which other surfaces occlude
@@ -127,12 +127,6 @@ class Around(NamedTuple):
     aside: NDArray[np.float32]  # how far to the right of it, as a difference of tangents
     above: NDArray[np.float32]  # the same upwards
     taken: NDArray[np.float32]  # how much light each takes
-
-
-@inlined_kernel
-def around_in(space: NDArray[np.float32]) -> Around:
-    """Return the buffers in (4, LOOKED_AT) numbers."""
-    return Around(space[0], space[1], space[2], space[3])
 
 
 @inlined_kernel
@@ -254,7 +248,7 @@ def _note_taken(here: Span, around: Around) -> None:
 
 
 @disjoint_kernel
-def write_tilts(view: View, row: int, normal: Normals, tilt: Tilts) -> None:
+def write_tilts(view: View, row: int, normal: Vectors, tilt: Tilts) -> None:
     """Write the planes of the surfaces of a row on the camera's axes."""
     sin_yaw, cos_yaw = np.float32(view.sin_yaw), np.float32(view.cos_yaw)
     sin_pitch, cos_pitch = np.float32(view.sin_pitch), np.float32(view.cos_pitch)

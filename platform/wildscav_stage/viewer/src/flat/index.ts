@@ -67,6 +67,12 @@ export function createFlatStage(canvas: HTMLCanvasElement, map: GameMap, course:
       return input.isHeld || isNew;
     },
     trail: TRAIL,
+    get camera() {
+      return { above: view.place };
+    },
+    set camera({ above }) {
+      view.place = above;
+    },
     draw: (frame) => {
       isNew = false;
       move();

@@ -4,7 +4,7 @@ import type { Course } from "../data/course";
 import type { GameMap } from "../data/map";
 import type { Note } from "../data/notes";
 import type { News, Trails } from "../data/trails";
-import type { StageMaker, ViewKind } from "../stage";
+import type { CameraPlace, StageMaker, ViewKind } from "../stage";
 import { followsSeat, type Moment } from "./address";
 import { Caption } from "./caption";
 import type { Clock } from "./clock";
@@ -43,6 +43,7 @@ export class Player implements Actions, Drawn {
   private lag: Lag;
   private state = ""; // of the connection, as it was said last
   private follower: Player | null = null;
+  private camera = ""; // where it was in the last picture
   private shownTime = -1; // s, by all but the picture
   private listsAt = 0; // ms, when the lists are due again
 
@@ -316,6 +317,7 @@ export class Player implements Actions, Drawn {
     const { frame, clock, course } = this;
     this.views.cut(frame);
     this.screen.draw(frame);
+    this.shareCamera();
     const { seconds, end, isOpen } = clock;
     if (!isStale && seconds === this.shownTime) return;
     this.shownTime = seconds;
@@ -326,6 +328,24 @@ export class Player implements Actions, Drawn {
     this.caption.update(frame, this.views.seat);
     this.showOutcome(frame >= course.lastFrame && !isOpen);
     if (isStale || now > this.listsAt) this.drawLists(frame);
+  }
+
+  // Where two are compared, a person moves the cameras of both.
+  private shareCamera(): void {
+    const other = this.lead ?? this.follower;
+    const place = this.screen.stage?.camera;
+    if (!other || !place) return;
+    const camera = JSON.stringify(place);
+    if (this.camera && camera !== this.camera) other.takeCamera(place);
+    this.camera = camera;
+  }
+
+  private takeCamera(place: CameraPlace): void {
+    const { stage } = this.screen;
+    if (!stage) return;
+    stage.camera = place;
+    this.camera = JSON.stringify(stage.camera);
+    this.loop.stir();
   }
 
   private drawLists(frame: number): void {

@@ -96,6 +96,12 @@ export function createStage(
       return !parts.isWhole || steering.isHeld() || (stage.view.kind === "behind" && cameras.isGliding);
     },
     trail: TRAIL,
+    get camera() {
+      return { above: cameras.mapView.place, free: cameras.orbit.place };
+    },
+    set camera({ above, free = cameras.orbit.place }) {
+      [cameras.mapView.place, cameras.orbit.place] = [above, free];
+    },
     draw: (frame) => {
       const seconds = elapsed();
       judge();

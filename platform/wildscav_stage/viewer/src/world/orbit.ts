@@ -30,6 +30,17 @@ export class Orbit {
     this.distance = 1.1 * map.size;
   }
 
+  // What it looks at (x and z, m), yaw and pitch (degrees), and distance (m).
+  get place(): number[] {
+    return [this.x, this.z, this.yaw, this.pitch, this.distance];
+  }
+
+  set place([x, z, yaw, pitch, distance]: number[]) {
+    [this.yaw, this.pitch] = [yaw, pitch];
+    this.moveTo(x, z);
+    this.setDistance(distance);
+  }
+
   // Show the whole map at first, however narrow the picture is.
   fit(aspect: number): void {
     if (!this.isFitted) this.distance *= Math.min(2, Math.max(1, 1 / aspect));
@@ -47,7 +58,7 @@ export class Orbit {
   }
 
   zoom(factor: number): void {
-    this.distance = Math.min(2 * this.map.size, Math.max(CLOSEST, this.distance / factor));
+    this.setDistance(this.distance / factor);
   }
 
   // Move as held keys say, for so many seconds.
@@ -68,9 +79,17 @@ export class Orbit {
   // By so many m to the right and ahead, as the camera looks.
   private move(right: number, ahead: number): void {
     const [east, north] = [Math.sin(radians(this.yaw)), Math.cos(radians(this.yaw))];
+    this.moveTo(this.x + ahead * east + right * north, this.z + ahead * north - right * east);
+  }
+
+  private moveTo(x: number, z: number): void {
     const half = this.map.size / 2;
-    this.x = Math.min(half, Math.max(-half, this.x + ahead * east + right * north));
-    this.z = Math.min(half, Math.max(-half, this.z + ahead * north - right * east));
+    this.x = Math.min(half, Math.max(-half, x));
+    this.z = Math.min(half, Math.max(-half, z));
+  }
+
+  private setDistance(distance: number): void {
+    this.distance = Math.min(2 * this.map.size, Math.max(CLOSEST, distance));
   }
 }
 
