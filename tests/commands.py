@@ -1,13 +1,14 @@
 """The command `wildscav` in the process of the tests: another one would import for seconds what is here."""
 
 import os
+import re
 import sys
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from io import StringIO
 from pathlib import Path
-from subprocess import CompletedProcess
+from subprocess import PIPE, CompletedProcess, Popen
 from tempfile import TemporaryFile
 from typing import IO
 
@@ -50,6 +51,21 @@ def run_command(
         out.seek(0)
         err.seek(0)
         return CompletedProcess(given, code, out.read(), err.read())
+
+
+@contextmanager
+def running(*arguments: object, until: str) -> Iterator[tuple[str, "Popen[str]"]]:
+    """Run a command in a process of its own; yield what its first line has of a pattern, and the process."""
+    command = [sys.executable, "-m", "wildscav.cli.main", *map(str, arguments)]
+    env = {**os.environ, "PYTHONUNBUFFERED": "1", "COLUMNS": "200"}
+    with Popen(command, stdout=PIPE, stderr=PIPE, text=True, env=env) as process:
+        try:
+            assert process.stdout is not None
+            found = re.search(until, process.stdout.readline())
+            assert found, process.stderr and process.stderr.read()
+            yield found[1], process
+        finally:
+            process.kill()
 
 
 def _exit_code() -> int:

@@ -29,11 +29,7 @@ class LazyRecord:
 
     @classmethod
     def read_by(cls, read: Callable[[str], Any]) -> Self:
-        """Return a record whose fields have not been decoded yet.
-
-        Args:
-            read: Returns the value of a field by its name; called once for each field that is read.
-        """
+        """Return a record that calls ``read`` with the name of each field, once, when it is first read."""
         record = object.__new__(cls)
         object.__setattr__(record, "_read", read)
         return record
@@ -218,10 +214,7 @@ class Observation(LazyRecord):
         return self.sensor("depth")
 
     def sensor(self, name: str) -> NDArray[Any]:
-        """Return what a sensor reads, as a read-only array.
-
-        Args:
-            name: As in the submission's ``submission.toml``.
+        """Return what a sensor of the ``submission.toml`` reads, by its name, as a read-only array.
 
         Raises:
             AgentError: The submission did not ask for it.
@@ -244,11 +237,7 @@ class Agent:
     """
 
     def reset(self, match: MatchInfo) -> None:
-        """Get ready for a match.
-
-        Args:
-            match: What is known before the first step.
-        """
+        """Get ready for a match."""
 
     def act(self, observation: Observation) -> Action:
         """Return what to do in the next step.

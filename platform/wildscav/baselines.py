@@ -30,11 +30,7 @@ def is_baseline(text: str) -> bool:
 
 
 def baseline_folder(text: str) -> Path:
-    """Return the folder of a baseline by its name, with or without "baseline:" before it.
-
-    Raises:
-        UserError: There is no such baseline.
-    """
+    """Return a baseline's folder by its name, perhaps after "baseline:"; a UserError if there is none."""
     name = text.removeprefix(PREFIX)
     if name not in NAMES:
         raise UserError(

@@ -9,7 +9,6 @@ import math
 import socket
 from collections.abc import Mapping
 from dataclasses import fields
-from types import TracebackType
 from typing import Any, Self
 
 from wildscav.agent import MatchInfo
@@ -22,11 +21,7 @@ PLACES: dict[str, Any] = {"start": (math.nan,) * 3, "target": None, "supply_wave
 
 
 class BridgedSeat:
-    """A seat at a bridge: it has joined the match. Leaving the context leaves the seat.
-
-    Args:
-        address: ``unix:/path``.
-        token: Of the seat.
+    """A seat at a bridge (``unix:/path``): it has joined the match. Leaving the context leaves the seat.
 
     Attributes:
         match: What is known of the match, without its places: ``start`` is not a number, ``target`` is None,
@@ -90,9 +85,7 @@ class BridgedSeat:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

@@ -33,7 +33,6 @@ class RefusedError(WildscavError):
 
     Args:
         reason: The reason in the server's status, such as ``SEAT_TOKEN_UNKNOWN``.
-        message: The server's explanation.
     """
 
     def __init__(self, reason: str, message: str) -> None:
@@ -42,12 +41,7 @@ class RefusedError(WildscavError):
 
 
 class AddressInUseError(WildscavError):
-    """Another process listens on the address already, or the address cannot be bound.
-
-    Args:
-        address: The address that was asked for.
-        reason: Why it cannot be bound.
-    """
+    """Another process listens on the address already, or the address cannot be bound."""
 
     def __init__(self, address: str, reason: str = "it is in use already") -> None:
         super().__init__(f"cannot listen on {address}: {reason}; choose another address")

@@ -63,26 +63,14 @@ class KeysPlayer:
     """
 
     def reset(self, match: MatchInfo) -> None:
-        """Get ready for a match.
-
-        Args:
-            match: What is known of it, without its places.
-        """
+        """Get ready for a match."""
 
     def act(self, frame: Frame) -> Keys:
-        """Return what to hold in the next step.
-
-        Args:
-            frame: What the screen shows now.
-        """
+        """Return what to hold in the next step."""
         raise NotImplementedError(f"{type(self).__name__} must have a method act(self, frame)")
 
     def play(self, seat: KeysSeat) -> None:
-        """Play a match to its end.
-
-        Args:
-            seat: The seat, which has joined the match.
-        """
+        """Play a match to its end."""
         self.reset(seat.match)
         frame = seat.look()
         while frame is not None:

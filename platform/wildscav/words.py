@@ -62,12 +62,7 @@ class WordsSeat(BridgedSeat):
         return text
 
     def call(self, name: str, arguments: Mapping[str, Any] | None = None) -> Reply:
-        """Play a tool until it ends. A bad call is answered with what is allowed, and costs game time.
-
-        Args:
-            name: Of the tool.
-            arguments: As its schema says.
-        """
+        """Play a tool until it ends. A bad call is answered with what is allowed, and costs game time."""
         given = dict(arguments or {})
         say(f"→ {name} {json.dumps(given)[:SHOWN]}")
         answer, _ = self.ask("call", tool=name, arguments=given)

@@ -15,7 +15,6 @@ def read_config(path: Path, trial: str) -> bytes:
     """Return the content of a file; a larger one is first parsed on trial in a limited process.
 
     Args:
-        path: The file.
         trial: The function that parses the file on trial, as "module:function"; its argument is the path.
 
     Raises:

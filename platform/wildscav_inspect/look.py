@@ -99,11 +99,7 @@ def _picture(
     *,
     legend: bool,
 ) -> "Image":
-    """Return what a sensor sees on a map with the given agents and boxes.
-
-    Raises:
-        UserError: One of them is outside the map.
-    """
+    """Return what a sensor sees on a map with the given agents and boxes."""
     from wildscav.terminal.console import error_console
     from wildscav_engine.sensors.display.legend import draw_reading
     from wildscav_engine.sensors.optics.dynamic_objects import placed_objects
@@ -131,17 +127,7 @@ def _print_saved(saved: str, view: "Viewpoint") -> None:
 
 
 def _sensor(name: str, size: dict[str, Any], options: Sequence[str], has_objects: bool) -> "ImageSensor":
-    """Return the sensor with its options, and with a default size that suits a picture.
-
-    Args:
-        name: Its name in the registry.
-        size: Values of the command's own options, None where they are not given.
-        options: Further options, each KEY=VALUE.
-        has_objects: Whether agents or boxes are placed on the map.
-
-    Raises:
-        UserError: No such sensor makes images, or it has no such option or value.
-    """
+    """Return the sensor with its options, each KEY=VALUE, and with a default size that suits a picture."""
     from wildscav_engine.sensors import SENSORS, parse_sensor
     from wildscav_engine.sensors.optics.image_sensor import ImageSensor
 
@@ -190,11 +176,7 @@ def _read_option(text: str) -> tuple[str, Any]:
 
 
 def _read(option: str, text: str, form: str) -> Coordinates:
-    """Return the numbers of an option in a form such as "X,Z", or in the same form with a Y.
-
-    Raises:
-        UserError: The text does not have that form.
-    """
+    """Return the numbers of an option in a form such as "X,Z", or in the same form with a Y."""
     full = form.replace("X,", "X,Y,")
     try:
         numbers = tuple(float(part) for part in text.split(","))
@@ -214,11 +196,7 @@ def _check_angles(yaw: float | None, pitch: float | None) -> None:
 
 
 def _place(game_map: "GameMap", coordinates: Coordinates) -> Place:
-    """Return a place on the map; without a height in the coordinates, the height where an agent stands.
-
-    Raises:
-        UserError: It is outside the map.
-    """
+    """Return a place on the map; without a height in the coordinates, the height where an agent stands."""
     from wildscav_engine.maps.viewpoints import standing_height
 
     numbers = coordinates.numbers
@@ -235,11 +213,7 @@ def _place(game_map: "GameMap", coordinates: Coordinates) -> Place:
 def _viewpoint(
     game_map: "GameMap", position: Coordinates | None, yaw: float | None, pitch: float | None
 ) -> "Viewpoint":
-    """Return the given viewpoint, or by default one with a view of a house.
-
-    Raises:
-        UserError: Nothing can be seen from there.
-    """
+    """Return the given viewpoint, or by default one with a view of a house."""
     from wildscav_engine.maps.viewpoints import Viewpoint, viewpoint_of
     from wildscav_engine.specs.body import EYE_HEIGHT
 
@@ -254,11 +228,7 @@ def _viewpoint(
 
 
 def _check_free(world: "World", eye: Place) -> None:
-    """Refuse a place below the ground or inside an object.
-
-    Raises:
-        UserError: It is such a place.
-    """
+    """Refuse a place below the ground or inside an object."""
     from wildscav_engine.geometry.rays import TERRAIN_HIT, raycast
     from wildscav_engine.geometry.world import Kind
 

@@ -57,11 +57,7 @@ class MapCommand(TyperCommand):
     """A command that takes a map. A negative number is reported as an ID out of range, not as an option."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Read the command line.
-
-        Raises:
-            UserError: The ID is a negative number.
-        """
+        """Read the command line, or raise a UserError if the ID is a negative number."""
         given = list(args)
         try:
             return super().parse_args(ctx, args)
@@ -90,11 +86,7 @@ class MapOptions:
     vegetation: Vegetation = None
 
     def choose(self) -> Choice:
-        """Return the map that the command line names.
-
-        Raises:
-            UserError: It names no map, or one that cannot be made.
-        """
+        """Return the map that the command line names; a UserError if there is none or it cannot be made."""
         fields = {name: value for name, value in vars(self).items() if value is not None}
         map_id, seed, config = (fields.pop(name, None) for name in ("map_id", "seed", "config"))
         if self.storeys is not None:

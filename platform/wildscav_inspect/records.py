@@ -64,11 +64,7 @@ def resolve_record(record: Path, season: str | None) -> Path:
 
 
 def read_of_seat(record: Path, option: str, seat: int | None) -> "Record":
-    """Read a record, and check that its match has the seat that an option names.
-
-    Raises:
-        UserError: It cannot be read, or has no such seat.
-    """
+    """Read a record, or raise a UserError if that fails or its match has no such seat."""
     from wildscav_engine.record import RecordError, read_record
 
     try:

@@ -20,64 +20,77 @@ RERUN_MAGIC = b"RRF"  # the first bytes of every .rrd file
 SUFFIX = ".rrd"
 
 
+RecordArgument = Annotated[
+    Path,
+    typer.Argument(
+        help="Record file, or the number or the page of a match of a season; with --web also a replay "
+        "(.rrd).",
+        metavar="RECORD",
+        show_default=False,
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        "-o",
+        help="File to write: .rrd, a page (.html), or a video (.mp4, .gif, .webp). Default: the record's "
+        "name with .rrd, with .html for --html, or with .mp4 for --video; with --web, none.",
+    ),
+]
+Seat = Annotated[
+    int | None,
+    typer.Option(
+        help="Seat that the cameras follow. Default: the first submission; of a video from behind, "
+        "whoever has most to do.",
+        min=0,
+    ),
+]
+Images = Annotated[
+    bool, typer.Option(help="Draw the images of the followed agent's camera and depth camera.")
+]
+Html = Annotated[
+    bool, typer.Option("--html", help="Make a page that plays it in 3D in any browser, without a server.")
+]
+Scene = Annotated[
+    Path | None,
+    typer.Option(
+        "--scene", help="Write the two files from which a viewer of one's own draws it to this folder."
+    ),
+]
+Web = Annotated[bool, typer.Option("--web", help="Serve it with a browser viewer until Ctrl-C.")]
+Host = Annotated[
+    str | None, typer.Option(help="Address that --web listens on. Default: 127.0.0.1, this machine only.")
+]
+Port = Annotated[
+    int | None, typer.Option(help="Port that --web listens on. Default: any free one.", min=0, max=65535)
+]
+Video = Annotated[
+    bool,
+    typer.Option("--video", help="Make a video, as --out does that names one.", rich_help_panel=VIDEO),
+]
+
+
 @takes(VideoOptions)
 def replay(
     wanted: VideoOptions,
-    record: Annotated[
-        Path,
-        typer.Argument(
-            help="Record file, or the number or the page of a match of a season; with --web also a replay "
-            "(.rrd).",
-            metavar="RECORD",
-            show_default=False,
-        ),
-    ],
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            "-o",
-            help="File to write: .rrd, a page (.html), or a video (.mp4, .gif, .webp). Default: the record's "
-            "name with .rrd, with .html for --html, or with .mp4 for --video; with --web, none.",
-        ),
-    ] = None,
-    seat: Annotated[
-        int | None,
-        typer.Option(
-            help="Seat that the cameras follow. Default: the first submission; of a video from behind, "
-            "whoever has most to do.",
-            min=0,
-        ),
-    ] = None,
-    images: Annotated[
-        bool, typer.Option(help="Draw the images of the followed agent's camera and depth camera.")
-    ] = True,
-    html: Annotated[
-        bool, typer.Option("--html", help="Make a page that plays it in 3D in any browser, without a server.")
-    ] = False,
-    scene: Annotated[
-        Path | None,
-        typer.Option(
-            "--scene", help="Write the two files from which a viewer of one's own draws it to this folder."
-        ),
-    ] = None,
-    web: Annotated[bool, typer.Option("--web", help="Serve it with a browser viewer until Ctrl-C.")] = False,
-    host: Annotated[
-        str | None, typer.Option(help="Address that --web listens on. Default: 127.0.0.1, this machine only.")
-    ] = None,
-    port: Annotated[
-        int | None, typer.Option(help="Port that --web listens on. Default: any free one.", min=0, max=65535)
-    ] = None,
-    video: Annotated[
-        bool,
-        typer.Option("--video", help="Make a video, as --out does that names one.", rich_help_panel=VIDEO),
-    ] = False,
+    record: RecordArgument,
+    out: Out = None,
+    seat: Seat = None,
+    images: Images = True,
+    html: Html = False,
+    scene: Scene = None,
+    web: Web = False,
+    host: Host = None,
+    port: Port = None,
+    video: Video = False,
     season: SeasonOption = None,
     logs: LogsOption = None,
 ) -> None:
     """Render a record: for Rerun, as a page that plays it in 3D, as a video, or as one picture."""
     from wildscav_engine.view.video import VIDEOS
 
+    suffix = "" if out is None else out.suffix.lower()
     has_others = (
         web or video or not images or any(each is not None for each in (seat, host, port, wanted.given()))
     )
@@ -85,11 +98,11 @@ def replay(
         if has_others or html or out is not None:
             raise UserError("--scene takes --season and --logs, and no other options", exit_code=2)
         return write_scene(resolve_record(record, season), scene, logs)
-    if html or (out is not None and out.suffix.lower() == HTML):
+    if html or suffix == HTML:
         if has_others:
             raise UserError("--html takes --out, --season and --logs, and no other options", exit_code=2)
         return write_page(resolve_record(record, season), out, logs)
-    if video or wanted.poster is not None or (out is not None and out.suffix.lower() in VIDEOS):
+    if video or wanted.poster is not None or suffix in VIDEOS:
         if web:
             raise UserError("--web is for replays: leave it out, or --video and --poster", exit_code=2)
         return make_video(record, seat, out, wanted, season, logs)
@@ -97,17 +110,30 @@ def replay(
         raise UserError(f"{given} is for a video or a picture: add --video or --poster", exit_code=2)
     if not web and (host is not None or port is not None):
         raise UserError("--host and --port are for --web: add --web", exit_code=2)
-    record = resolve_record(record, season)
+    return _replay_for_rerun(resolve_record(record, season), out, seat, images, logs, web, host, port)
+
+
+def _replay_for_rerun(
+    record: Path,
+    out: Path | None,
+    seat: int | None,
+    images: bool,
+    logs: Path | None,
+    web: bool,
+    host: str | None,
+    port: int | None,
+) -> None:
+    """Write a record as a Rerun recording, serve it, or both; a recording is served as it is."""
     if web and _is_replay(record):
         _refuse_rendering_options(out, seat, images, logs)
-        return _serve(_read(record), record.name, host, port)
+        _serve(record.read_bytes(), record.name, host, port)
+        return
     content = _render(record, read_of_seat(record, "--seat", seat), out, seat, images, logs, web=web)
     path = out if web else out or record.with_suffix(SUFFIX)
     if path is not None:
         _write(path, content)
     if web:
-        return _serve(content, record.name, host, port)
-    return None
+        _serve(content, record.name, host, port)
 
 
 def _is_replay(path: Path) -> bool:
@@ -125,13 +151,6 @@ def _refuse_rendering_options(out: Path | None, seat: int | None, images: bool, 
     for option, is_given in options.items():
         if is_given:
             raise UserError(f"{option} needs a record: this is a replay already", exit_code=2)
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise UserError(f"cannot read {path}: {error.strerror}") from None
 
 
 def _render(
@@ -200,11 +219,7 @@ def _serve(content: bytes, name: str, host: str | None, port: int | None) -> Non
 
 
 def check_name(option: str, path: Path) -> None:
-    """Refuse a file name without the suffix of Rerun recordings, which viewers go by.
-
-    Raises:
-        UserError: It does not end in ".rrd".
-    """
+    """Raise a UserError for a file name without ".rrd", the suffix of Rerun recordings that viewers go by."""
     if path.suffix.lower() != SUFFIX:
         raise UserError(
             f"{option} is {path}: a replay is a Rerun recording, so its name must end in {SUFFIX}", 2

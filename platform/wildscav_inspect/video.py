@@ -96,9 +96,6 @@ def make_video(
     Args:
         record: Its file, or the number of a match of a season.
         seat: The seat to watch; None for the first submission, and from behind, for whoever has most to do.
-        out: The file of a video.
-        options: How to render it.
-        season: The address of the season that a number is about.
         logs: Where its agents' notes are; see ``notes_beside``.
 
     Raises:
@@ -158,11 +155,7 @@ def _write(film: "Film", path: Path, pace: "Pace") -> None:
 
 
 def _check_name(path: Path, *, is_poster: bool) -> None:
-    """Refuse a name that says no format which can be written.
-
-    Raises:
-        UserError: It does not.
-    """
+    """Refuse a name that says no format which can be written."""
     from wildscav_engine.view.video import PICTURES, VIDEOS
 
     allowed, option = (PICTURES, "--poster") if is_poster else (VIDEOS, "--out")
@@ -171,11 +164,7 @@ def _check_name(path: Path, *, is_poster: bool) -> None:
 
 
 def _size(text: str) -> tuple[int, int]:
-    """Return the width and the height in a text such as 1280x720.
-
-    Raises:
-        UserError: It is no such text.
-    """
+    """Return the width and the height in a text such as 1280x720."""
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal() and len(text) < 12):
         raise UserError(f"--size is {text!r}, must be a width and a height such as 1280x720", exit_code=2)

@@ -66,11 +66,7 @@ def watch(
 
 
 def _one_record(records: list[Path], path: Path) -> Path:
-    """Return the record that is meant where two are compared.
-
-    Raises:
-        UserError: It is a folder of several, or cannot be read.
-    """
+    """Return the record that is meant where two are compared."""
     from wildscav_stage.watching.match_page import title_of
 
     if len(records) > 1 or records[0].is_dir():
@@ -80,11 +76,7 @@ def _one_record(records: list[Path], path: Path) -> Path:
 
 
 def _latest() -> Path:
-    """Return the newest record below this folder; of an evaluation's record, the folder of that evaluation.
-
-    Raises:
-        UserError: There is none.
-    """
+    """Return the newest record below this folder; of an evaluation's, the folder of that evaluation."""
     from wildscav_engine.record import SUFFIX
 
     found = [path for depth in range(DEPTH + 1) for path in Path().glob(f"{'*/' * depth}*{SUFFIX}")]
@@ -95,11 +87,7 @@ def _latest() -> Path:
 
 
 def _records_in(folder: Path) -> list[Path]:
-    """Return the records in a folder, or in that of an evaluation's records.
-
-    Raises:
-        UserError: There is none.
-    """
+    """Return the records in a folder, or in that of an evaluation's records."""
     from wildscav_engine.record import SUFFIX
 
     found = sorted([*folder.glob(f"*{SUFFIX}"), *(folder / RECORDS).glob(f"*{SUFFIX}")])
@@ -109,11 +97,7 @@ def _records_in(folder: Path) -> list[Path]:
 
 
 def write_scene(record: Path, folder: Path, logs: Path | None) -> None:
-    """Write the files from which a viewer draws a match.
-
-    Raises:
-        UserError: The record cannot be read, or the files not be written there.
-    """
+    """Write the files from which a viewer draws a match; a UserError if one cannot be read or written."""
     from wildscav.terminal.console import console, error_console
     from wildscav_engine.storage.files import write_whole
     from wildscav_stage.watching.match_page import scene_of
@@ -130,12 +114,7 @@ def write_scene(record: Path, folder: Path, logs: Path | None) -> None:
 
 
 def write_page(record: Path, out: Path | None, logs: Path | None) -> None:
-    """Write a page with a match that plays without a server.
-
-    Args:
-        record: The file of its record.
-        out: The page; None for the record's name with ``.html``.
-        logs: Where its agents' notes are; see ``notes_beside``.
+    """Write a page that plays a match without a server, by default under the record's name with ``.html``.
 
     Raises:
         UserError: The record cannot be read, or the page not be written there.

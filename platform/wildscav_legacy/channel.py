@@ -80,10 +80,7 @@ class Client:
             self._gone()
 
     def ask(self, request: bytes) -> Reply:
-        """Send a request, and wait for the reply without a time limit.
-
-        Args:
-            request: A serialized ``Request``.
+        """Send a serialized ``Request``, and wait for the reply without a time limit.
 
         Raises:
             ClientGoneError: The client has gone.

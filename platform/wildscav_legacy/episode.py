@@ -88,11 +88,7 @@ class Episode(NamedTuple):
 
 
 def read_episode(command: GMCommand) -> Episode:
-    """Return the episode that a command requests.
-
-    Raises:
-        RefusedEpisodeError: It cannot be played.
-    """
+    """Return the episode that a command requests, or raise a RefusedEpisodeError."""
     setups = _setups(command)
     return Episode(
         map_id=_value(command, "map_id"),
@@ -107,11 +103,7 @@ def read_episode(command: GMCommand) -> Episode:
 
 
 def _setups(command: GMCommand) -> list[AgentSetup]:
-    """Return the set-up of each agent; agents that are counted but not described get the defaults.
-
-    Raises:
-        RefusedEpisodeError: There are no agents, too many, or two with the same id.
-    """
+    """Return the set-up of each agent; agents that are counted but not described get the defaults."""
     setups = list(command.agent_setups)
     count = command.num_agents if command.HasField("num_agents") else len(setups)
     if not max(1, len(setups)) <= count <= MAX_AGENTS:
@@ -209,11 +201,7 @@ def _range(command: GMCommand, least: str, most: str) -> tuple[int, int]:
 
 
 def _value(source: _Source, name: str) -> Any:
-    """Return the number in a field, clamped to its range, or its default.
-
-    Raises:
-        RefusedEpisodeError: It is out of range and cannot be clamped.
-    """
+    """Return the number in a field, clamped to its range, or its default."""
     field = FIELDS[name]
     value = getattr(source, name) if source.HasField(name) else field.default
     value = round(value, 6) if isinstance(value, float) else value  # undoes the rounding to 32 bits

@@ -50,12 +50,7 @@ class Refresh(NamedTuple):
 
 
 class Events:
-    """Reports the events of one match.
-
-    Args:
-        match: The match, before its first step.
-        episode: The episode that the client requested.
-    """
+    """Reports the events of one match."""
 
     def __init__(self, match: "Match", episode: Episode) -> None:
         self._match, self._ids = match, episode.ids

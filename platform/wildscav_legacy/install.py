@@ -42,11 +42,7 @@ MIRROR = np.array([-1.0, 1.0, 1.0], np.float32)
 
 
 def install_engine(folder: Path) -> Path:
-    """Write the program that the client starts into a folder, and return its path.
-
-    Raises:
-        OSError: It cannot be written.
-    """
+    """Write the program that the client starts into a folder, and return its path; OSError if that fails."""
     import wildscav_engine
     from wildscav_engine.storage.files import write_whole
 
@@ -67,11 +63,6 @@ def missing_maps(ids: list[int], folder: Path) -> list[int]:
 
 def install_maps(ids: list[int], folder: Path, workers: int) -> Iterator[int]:
     """Write maps into a folder, several at a time.
-
-    Args:
-        ids: Ids of the maps.
-        folder: The folder.
-        workers: Number of processes.
 
     Yields:
         The id of each map once it is written.

@@ -29,12 +29,7 @@ TABLES = ("tcp", "tcp6")
 
 
 def main(engine_folder: Path, arguments: list[str]) -> NoReturn:
-    """Serve the client that the arguments name, until it closes or disappears.
-
-    Args:
-        engine_folder: The program's folder; records are written into a folder in it.
-        arguments: The command line's arguments.
-    """
+    """Serve the client that the arguments name, until it is gone; records go into the engine's folder."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(message)s")
     # Ctrl-C in a terminal reaches this process as well, but the client decides whether it ends the session.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -70,11 +65,7 @@ def serve(address: str, records: Path) -> None:
 
 
 def read_address(arguments: list[str]) -> str:
-    """Return HOST:PORT of the client.
-
-    Raises:
-        UserError: The arguments do not name one.
-    """
+    """Return HOST:PORT of the client, or raise a UserError if the arguments do not name one."""
     host, port = "127.0.0.1", ""
     for argument in arguments:
         name, _, value = argument.partition(":")
@@ -93,8 +84,6 @@ def end(status: int, why: str = "", waiting: int | None = None) -> NoReturn:
     """End the process and all its threads at once. If several threads call this, the first one wins.
 
     Args:
-        status: The exit status.
-        why: The message for the user.
         waiting: The client's process, if it waits for an answer that will never come; it is interrupted.
     """
     _end_once.acquire()
@@ -123,11 +112,7 @@ class ClientStderrHandler(logging.Handler):
     """
 
     def __init__(self, process: int) -> None:
-        """Write to the stderr of a process.
-
-        Args:
-            process: The process's id.
-        """
+        """Write to the stderr of a process."""
         super().__init__(logging.WARNING)
         self._path = Path(f"/proc/{process}/fd/2")
         self._written: set[str] = set()

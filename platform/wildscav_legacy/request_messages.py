@@ -26,12 +26,7 @@ Columns = dict[str, list]  # type: ignore[type-arg] # fields of agents by name, 
 
 
 class Requests:
-    """Makes the requests of one match.
-
-    Args:
-        match: The match.
-        episode: The episode that the client requested.
-    """
+    """Makes the requests of one match."""
 
     def __init__(self, match: "Match", episode: Episode) -> None:
         self._match = match
@@ -133,11 +128,7 @@ _FIELDS = (
 
 
 class _Boxes:
-    """The supply boxes as the bytes of a ``supply_info_list``, serialized again when a box has changed.
-
-    Args:
-        match: The match, at its start.
-    """
+    """The supply boxes as the bytes of a ``supply_info_list``, serialized again when a box has changed."""
 
     def __init__(self, match: "Match") -> None:
         self._match = match

@@ -31,12 +31,7 @@ log = logging.getLogger("wildscav_legacy")
 
 
 class Session:
-    """Plays the episodes of one client.
-
-    Args:
-        client: The client.
-        records: Folder for the records that the client requests.
-    """
+    """Plays the episodes of one client."""
 
     def __init__(self, client: Client, records: Path) -> None:
         self._client, self._records = client, records
@@ -128,11 +123,7 @@ class Session:
 
 
 def match_of(episode: Episode) -> "Match":
-    """Return the match of an episode.
-
-    Raises:
-        RefusedEpisodeError: It cannot be set up.
-    """
+    """Return the match of an episode, or raise a RefusedEpisodeError if it cannot be set up."""
     from wildscav_engine.maps import MapError, load_map
     from wildscav_engine.simulation.match import Match, MatchSetupError
 
@@ -193,13 +184,9 @@ def _text(place: "Position") -> str:
 def read_actions(
     commands: Iterable[AgentCommand], seats: Mapping[int, int]
 ) -> "tuple[NDArray[np.float32], list[int]]":
-    """Return (A, FIELDS) the actions of all seats. Seats without a command do nothing.
+    """Return (A, FIELDS) the actions of all seats: none without a command; of two, the last one counts.
 
     A walk speed is clamped to 0 to 10 m/s, the range that the original's agents had.
-
-    Args:
-        commands: The commands of one reply; if there are two for one agent, the last one counts.
-        seats: The seat of each id.
 
     Returns:
         The rows, and the ids that belong to no agent.

@@ -4,8 +4,8 @@ import asyncio
 import json
 import secrets
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
 
 import grpc
 
@@ -17,39 +17,17 @@ from wildscav_server.hosting.reports import MatchOutcome
 from wildscav_server.leftovers import temporary_folder
 from wildscav_server.time_limits import Clock
 
-if TYPE_CHECKING:
-    from wildscav_engine.specs.match_spec import MatchSpec
-
 OPEN_LIMIT = 64  # matches at one time
 KEPT_LIMIT = 256  # finished matches whose results are kept
 
 State = GetMatchResponse.State
 
 
-class MatchHost(Protocol):
-    """The interface that the service needs of the server that hosts its matches."""
-
-    async def host(
-        self,
-        spec: "MatchSpec",
-        *,
-        names: Sequence[str],
-        sensors: Mapping[int, Mapping[str, Mapping[str, Any]]] | None = None,
-        clock: Clock | None = None,
-    ) -> HostedMatch:
-        """Open a match."""
-        ...
-
-
 class ArenaService:
-    """Opens matches for organizers, and returns their results.
+    """Opens matches for organizers, and returns their results."""
 
-    Args:
-        server: Hosts the matches.
-    """
-
-    def __init__(self, server: MatchHost) -> None:
-        self._server = server
+    def __init__(self, host: Callable[..., Awaitable[HostedMatch]]) -> None:
+        self._host_match = host  # as ``MatchServer.host``
         self._open: dict[str, HostedMatch | None] = {}  # None while the map is being made
         self._closed: OrderedDict[str, GetMatchResponse] = OrderedDict()
         self._waiting: set[asyncio.Task[None]] = set()  # tasks that wait for the end of a match
@@ -76,11 +54,7 @@ class ArenaService:
         )
 
     async def _host(self, request: HostMatchRequest, clock: Clock) -> HostedMatch:
-        """Host the requested match.
-
-        Raises:
-            RefusalError: It cannot be played or recorded.
-        """
+        """Host the requested match."""
         from pydantic import ValidationError
 
         from wildscav_engine.record import RecordError, check_recordable
@@ -91,7 +65,7 @@ class ArenaService:
         try:
             spec = MatchSpec.model_validate_json(request.spec_json)
             check_recordable(spec)
-            return await self._server.host(
+            return await self._host_match(
                 spec,
                 names=tuple(request.names) or tuple(f"seat {seat}" for seat in range(len(spec.seats))),
                 sensors={seat: _options(text) for seat, text in request.sensors_json.items()},

@@ -13,11 +13,7 @@ PAUSE = 1.0  # s after a refusal in which others of its reason are only counted,
 
 
 class EventLog:
-    """Writes the events of a server into a log.
-
-    Args:
-        log: The log; None writes nothing.
-    """
+    """Writes the events of a server into a log, if there is one."""
 
     def __init__(self, log: Log | None) -> None:
         self._log = log
@@ -32,12 +28,7 @@ class EventLog:
             self._log.info("match_opened", match=match.id, track=track, seats=len(match.seats))
 
     def match_ended(self, match: "HostedMatch", how: str) -> None:
-        """Write how a match and each of its seats ended.
-
-        Args:
-            match: The match.
-            how: "finished", "failed" or "cancelled".
-        """
+        """Write how a match and each of its seats ended: "finished", "failed" or "cancelled"."""
         if self._log is None:
             return
         about = {"match": match.id, "track": match.match.spec.track, "steps": match.match.step_number}

@@ -95,12 +95,7 @@ def _remove_folder(folder: str) -> None:
 
 
 def claim(kind: str, what: str) -> None:
-    """Note in this process's list that it is about to create a resource outside its folder.
-
-    Args:
-        kind: As it was registered.
-        what: The resource's name, as ``undo`` expects it.
-    """
+    """Note in this process's list that it is about to create a resource, named as ``undo`` expects it."""
     _write(kind, what, there=True)
 
 
@@ -188,12 +183,7 @@ def _sweep_owner(folder: Path) -> None:
 
 
 def _remove(folder: Path) -> None:
-    """Remove the resources on an owner's list, then its folder, with the lock last.
-
-    Raises:
-        OSError: Something could not be removed; it is still on the list.
-        RuntimeError: The same.
-    """
+    """Remove the resources on an owner's list, then its folder, with the lock last."""
     for kind, what in _entries(folder / LIST):
         if kind not in _undo:
             raise RuntimeError(f"no function is registered that removes a {kind}")

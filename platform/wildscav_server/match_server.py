@@ -37,7 +37,6 @@ class MatchServer:
     Args:
         arena: Whether matches can also be opened over the network, by the Arena service.
         organizer_token: The secret that the Arena service requires; needed on public addresses.
-        endpoint_settings: Who may connect to each address, and how.
         log: Where to write events; None writes nothing.
     """
 
@@ -58,7 +57,7 @@ class MatchServer:
         self._map_makers = ThreadPoolExecutor(max(1, cores() - 1), "map")
         self._settings, self._time = endpoint_settings, SeatClock()
         self._organizer = Organizer(organizer_token)
-        self._arena_routes = arena_routes(ArenaService(self), self._organizer) if arena else {}
+        self._arena_routes = arena_routes(ArenaService(self.host), self._organizer) if arena else {}
         self.metrics = ServerMetrics(
             lambda: self._matches, lambda: sum(one.pending_streams for one in self._endpoints)
         )
@@ -117,11 +116,7 @@ class MatchServer:
         """Open a match; its submission seats can be joined from now on.
 
         Args:
-            spec: The match.
-            names: Display name of every seat.
-            sensors: For each seat, its sensors with their options.
             seeds: The private seeds of seats that are not to be told the one that follows from the spec.
-            clock: The time limits of the seats.
             addresses: For seats that can be joined at one address only, that address, as ``start`` returned
                 it; their tokens are invalid at any other.
             starting: Whether the caller has yet to start the agents: the time to join then begins once each
@@ -198,11 +193,7 @@ class MatchServer:
             self._reservations.pop(token, None)
 
     async def stop(self, grace: float = 1.0) -> None:
-        """Cancel the matches that are not over, and close all connections.
-
-        Args:
-            grace: s that open calls have to end by themselves.
-        """
+        """Cancel the matches that are not over, and close all connections; see ``Endpoint.stop``."""
         for endpoint in self._endpoints:
             endpoint.announce_end()
         for hosted in tuple(self._matches):

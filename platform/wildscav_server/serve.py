@@ -108,11 +108,7 @@ def _certificate(chain: Path | None, key: Path | None, client_ca: Path | None) -
 
 
 def read_token(path: Path) -> str:
-    """Return the secret in a file.
-
-    Raises:
-        UserError: It is too short, or cannot be sent.
-    """
+    """Return the secret in a file, or raise a UserError if it is too short or cannot be sent."""
     token = path.read_text("utf-8", errors="replace").strip()
     if len(token) < SHORTEST_TOKEN or not token.isascii() or not token.isprintable():
         raise UserError(

@@ -2,7 +2,7 @@
 
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from prometheus_client.core import (
@@ -20,20 +20,15 @@ BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 5.0, 30.0) 
 
 
 class ServerMetrics(Collector):
-    """The counts of one server.
-
-    Args:
-        matches: Returns the matches that are open.
-        pending_streams: Returns how many streams have not joined.
-    """
+    """The counts of one server."""
 
     def __init__(
         self, matches: "Callable[[], Iterable[HostedMatch]]", pending_streams: Callable[[], int]
     ) -> None:
         self._matches, self._pending_streams = matches, pending_streams
-        self._ended: Counter[tuple[str, str]] = Counter()  # by track and how
-        self._seats: Counter[tuple[str, str]] = Counter()  # by outcome and fault
-        self._refusals: Counter[str] = Counter()  # by reason
+        self._ended: Counter[tuple[str, ...]] = Counter()  # by track and how
+        self._seats: Counter[tuple[str, ...]] = Counter()  # by outcome and fault
+        self._refusals: Counter[tuple[str, ...]] = Counter()  # by reason
         self._steps = self._late = 0  # of matches that ended
         self._latencies = [0] * (len(BOUNDS) + 1)
         self._latency_sum = 0.0  # s
@@ -42,15 +37,10 @@ class ServerMetrics(Collector):
 
     def refused(self, reason: str) -> None:
         """Count a stream that was refused or ended by the server."""
-        self._refusals[reason] += 1
+        self._refusals[(reason,)] += 1
 
     def ended(self, match: "HostedMatch", how: str) -> None:
-        """Count a match that is over.
-
-        Args:
-            match: The match.
-            how: "finished", "failed" or "cancelled".
-        """
+        """Count a match that is over: "finished", "failed" or "cancelled"."""
         self._ended[match.match.spec.track, how] += 1
         self._steps += match.match.step_number
         for seat in match.seats.values():
@@ -71,14 +61,9 @@ class ServerMetrics(Collector):
         open_now = list(self._matches())
         yield from self._of_matches(open_now)
         yield from self._of_steps(open_now)
-        refusals = CounterMetricFamily(
-            "wildscav_server_refusals",
-            "Streams refused or ended by the server, by reason.",
-            labels=("reason",),
+        yield _counter(
+            "refusals", "Streams refused or ended by the server, by reason.", self._refusals, "reason"
         )
-        for reason, count in self._refusals.items():
-            refusals.add_metric((reason,), count)
-        yield refusals
         yield GaugeMetricFamily(
             "wildscav_server_strangers",
             "Streams that have not joined a seat yet.",
@@ -86,23 +71,14 @@ class ServerMetrics(Collector):
         )
 
     def _of_matches(self, open_now: "list[HostedMatch]") -> Iterator[Metric]:
-        ended = CounterMetricFamily(
-            "wildscav_server_matches", "Matches that are over.", labels=("track", "how")
-        )
-        for (track, how), count in self._ended.items():
-            ended.add_metric((track, how), count)
-        yield ended
+        yield _counter("matches", "Matches that are over.", self._ended, "track", "how")
         opened = GaugeMetricFamily("wildscav_server_matches_open", "Matches at present.", labels=("state",))
         playing = sum(match.playing for match in open_now)
         opened.add_metric(("joining",), len(open_now) - playing)
         opened.add_metric(("playing",), playing)
         yield opened
-        seats = CounterMetricFamily(
-            "wildscav_server_seats", "Seats of matches that are over, by outcome.", labels=("status", "fault")
-        )
-        for (status, fault), count in self._seats.items():
-            seats.add_metric((status, fault), count)
-        yield seats
+        text = "Seats of matches that are over, by outcome."
+        yield _counter("seats", text, self._seats, "status", "fault")
 
     def _of_steps(self, open_now: "list[HostedMatch]") -> Iterator[Metric]:
         running = sum(match.match.step_number for match in open_now)
@@ -123,3 +99,13 @@ class ServerMetrics(Collector):
         )
         latency.add_metric((), buckets, self._latency_sum)
         yield latency
+
+
+def _counter(
+    name: str, text: str, counts: Mapping[tuple[str, ...], int], *labels: str
+) -> CounterMetricFamily:
+    """Return a metric with a count for each combination of its labels."""
+    metric = CounterMetricFamily(f"wildscav_server_{name}", text, labels=labels)
+    for values, count in counts.items():
+        metric.add_metric(values, count)
+    return metric

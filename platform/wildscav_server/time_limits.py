@@ -113,34 +113,23 @@ class WaitMeter(Protocol):
 class TimeBank:
     """The time bank of one seat."""
 
-    __slots__ = ("_budget", "_most", "_used_up", "credited", "left")
+    __slots__ = ("_budget", "_most", "credited", "left", "used_up")
 
     def __init__(self, clock: Clock) -> None:
         self._budget = clock.step_budget
         self._most = clock.answer_limit - clock.step_budget  # s that it pays for one answer
         self.left = clock.time_bank  # s
         self.credited = 0.0  # s beyond budgets for which it did not pay
-        self._used_up = False
+        self.used_up = False  # whether an answer has been late because the bank could not pay for it
 
     def allowed(self, waited: float = 0.0) -> float:
-        """Return how long the next answer may take, s.
-
-        Args:
-            waited: s of it in which the machine had no processor for the agent.
-        """
+        """Return how long the next answer may take, s; for ``waited`` s of it the agent had no processor."""
         return self._budget + min(self.left, self._most) + min(waited, self._budget)
 
-    @property
-    def used_up(self) -> bool:
-        """Whether an answer has been late because the bank could not pay for it."""
-        return self._used_up
-
     def charge(self, elapsed: float, waited: float = 0.0) -> bool:
-        """Pay for an answer, and return whether it was in time. A late answer empties the bank.
+        """Pay for an answer of ``elapsed`` s, ``waited`` without a processor; return whether it was in time.
 
-        Args:
-            elapsed: s from sending the observation to receiving the answer.
-            waited: s of it in which the machine had no processor for the agent.
+        A late answer empties the bank.
         """
         over = elapsed - self._budget
         if over <= 0.0:
@@ -156,7 +145,7 @@ class TimeBank:
 
     def use_up(self) -> None:
         """Empty it, because an answer is late."""
-        self.left, self._used_up = 0.0, True
+        self.left, self.used_up = 0.0, True
 
 
 class SeatClock:

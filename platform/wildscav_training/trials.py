@@ -58,8 +58,6 @@ def play(
     The oracle stops at every corner of its path, so its steps are single frames.
 
     Args:
-        agent: The agent.
-        spec: The match.
         seats: The agent's seats; its metrics are their means.
         others: Who plays in the other seats for submissions.
     """
@@ -83,7 +81,6 @@ def play_out(
 
     Args:
         players: Who plays, with their seats; robots play in those that nobody has.
-        spec: The match.
         own: The seats that matter.
 
     Returns:

@@ -14,7 +14,10 @@ ROOT = Path(__file__).parents[2]
     ("modules", "strangers"),
     [
         ("wildscav.cli.main", {"asyncio", "grpc", "numpy"}),
-        ("wildscav.sdk", {"numba", "pydantic", "wildscav_engine"}),
+        (
+            "wildscav.sdk.connection, wildscav.geometry",
+            {"numba", "pydantic", "rich", "typer"},
+        ),
         ("wildscav_engine.simulation.match, wildscav_engine.sensors", {"numba"}),
         ("wildscav_evaluator.cli.commands.evaluate", {"numba"}),
         ("wildscav_evaluator.cli.sessions.evaluate", {"rerun", "wildscav_leaderboard"}),

@@ -133,12 +133,8 @@ def test_the_page_goes_from_training_to_a_score(tmp_path: Path, monkeypatch: pyt
     assert "navigator" in done.stdout
 
 
-def test_a_model_trained_with_other_options_is_refused(tmp_path: Path) -> None:
-    env = SingleEnv("navigation", action_mode="multidiscrete", **FLAT, **SHORT)
-    learned("PPO", "MlpPolicy", env, n_steps=32).save(tmp_path / "model.zip")
+def test_a_file_that_is_no_model_is_refused(tmp_path: Path) -> None:
     arguments = ["--from-policy", str(tmp_path / "model.zip"), "--track", "navigation"]
-    done = CliRunner().invoke(app, ["init", str(tmp_path / "agent"), *arguments])
-    assert "takes 46 numbers; the environment with these options returns" in str(done.exception)
     (tmp_path / "model.zip").write_bytes(b"no zip")
     done = CliRunner().invoke(app, ["init", str(tmp_path / "agent"), *arguments])
     assert "is not a model of Stable-Baselines3" in str(done.exception)

@@ -1,6 +1,5 @@
 """Files that hosts of repositories and tools read: each is valid and names what there is."""
 
-import json
 import re
 import shlex
 import shutil
@@ -14,7 +13,6 @@ import yaml
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-FORMS = sorted((ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml"))
 
 
 def read(name: str) -> Any:
@@ -33,19 +31,6 @@ def test_the_hosted_checks_run_each_part_of_the_checks_once() -> None:
     assert list(shares) == known[1].split(" | ")
     for part in shares.values():
         assert part == [f"{number + 1}/{len(part)}" for number in range(len(part))]
-
-
-@pytest.mark.parametrize("file", FORMS, ids=lambda file: file.name)
-def test_a_form_of_issues_asks_each_question_once(file: Path) -> None:
-    form = yaml.safe_load(file.read_text("utf-8"))
-    if file.name == "config.yml":
-        assert set(form) == {"blank_issues_enabled", "contact_links"}
-        return
-    assert {"name", "description", "body"} <= set(form)
-    questions = [entry for entry in form["body"] if entry["type"] != "markdown"]
-    names = [entry["id"] for entry in questions]
-    assert len(set(names)) == len(names) > 0
-    assert all(entry["attributes"]["label"] for entry in questions)
 
 
 def test_the_citation_is_of_the_project_and_names_the_paper() -> None:
@@ -73,14 +58,6 @@ def test_hooks_before_commits_run_the_programs_of_make_check() -> None:
         assert command in makefile, hook["id"]
     if shutil.which("pre-commit"):
         subprocess.run(["pre-commit", "validate-config"], cwd=ROOT, check=True)
-
-
-def test_a_container_for_development_makes_what_the_makefile_makes() -> None:
-    container = json.loads((ROOT / ".devcontainer" / "devcontainer.json").read_text("utf-8"))
-    assert (ROOT / ".devcontainer" / container["build"]["dockerfile"]).is_file()
-    makefile = (ROOT / "Makefile").read_text("utf-8")
-    for target in container["postCreateCommand"].removeprefix("make ").split():
-        assert f"\n{target}:" in makefile
 
 
 @pytest.mark.parametrize("name", ["SECURITY.md", "CODE_OF_CONDUCT.md", ".github/pull_request_template.md"])

@@ -37,13 +37,7 @@ OPTIONS = {
 
 
 def with_new_names(words: list[str], root: Any, context: Any) -> list[str]:
-    """Return the words of a command line with new names in place of old ones, and print what is new.
-
-    Args:
-        words: The words after ``wildscav``.
-        root: The ``wildscav`` command.
-        context: Its Click context.
-    """
+    """Return the words of a command line with new names in place of old ones, and print what is new."""
     old = next(
         (old for old in sorted(COMMANDS, key=len, reverse=True) if tuple(words[: len(old)]) == old), ()
     )

@@ -24,9 +24,7 @@ class Chooser:
     """Chooses by a network's outputs.
 
     Args:
-        mode: The action mode.
         head: The meaning of the outputs, one of ``HEADS``.
-        choose: Whether to sample, or to take the likeliest choice.
         deviations: (numbers,) standard deviations for the head "numbers".
 
     Raises:
@@ -60,7 +58,6 @@ class Chooser:
 
         Args:
             outputs: (n,) the network's outputs.
-            random: Random number generator to sample with.
 
         Raises:
             PolicyError: There are too many or too few outputs, or some are not finite.
@@ -90,12 +87,7 @@ class Chooser:
 
 
 def chooser_of(mode: ActionMode, network: Mapping[str, Any], choose: object) -> Chooser:
-    """Return the chooser that a ``policy.json`` describes.
-
-    Args:
-        mode: The action mode.
-        network: The table "network".
-        choose: The field "choose", not yet checked.
+    """Return the chooser that a ``policy.json`` describes: its table "network", and "choose", unchecked.
 
     Raises:
         PolicyError: ``choose`` is not a ``Choose``, or the network does not fit the action mode.

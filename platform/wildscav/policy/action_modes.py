@@ -21,11 +21,7 @@ class ActionMode(ABC):
 
     @abstractmethod
     def action(self, choice: Any, yaw: float) -> Action:
-        """Return the action that a choice stands for.
-
-        Args:
-            choice: An element of the environment's action space.
-            yaw: The agent's yaw, degrees.
+        """Return the action that a choice stands for; the agent's yaw is in degrees.
 
         Raises:
             PolicyError: The choice is not in that space.
@@ -127,11 +123,7 @@ class ChoicesMode(ActionMode):
 
 
 def _whole_numbers(choice: ArrayLike, sizes: Sequence[int]) -> list[int]:
-    """Return a choice as integers, each from 0 and below its size.
-
-    Raises:
-        PolicyError: It is not such a choice.
-    """
+    """Return a choice as integers, each from 0 and below its size."""
     values: NDArray[Any] = np.asarray(choice)
     if values.dtype.kind not in "iu" or values.size != len(sizes):
         raise PolicyError(f"the choice is {choice!r}, must be {len(sizes)} whole numbers")
@@ -152,11 +144,7 @@ MODES: dict[str, type[Any]] = {
 
 
 def action_mode(description: Mapping[str, Any]) -> ActionMode:
-    """Return the action mode of a description.
-
-    Raises:
-        PolicyError: It is not known here.
-    """
+    """Return the action mode of a description, or raise a PolicyError if it is not known here."""
     name = description.get("mode")
     if name not in MODES:
         raise PolicyError(

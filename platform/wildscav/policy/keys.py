@@ -72,7 +72,6 @@ def held_action(
         mouse: Counts that the body turns to the right and looks down.
         flags: Which of ``FLAGS`` are set.
         yaw: Of the agent before the step, degrees.
-        frames: Of the step.
     """
     forward, right = walk
     turned, looked = mouse[0] / COUNTS_PER_DEGREE, mouse[1] / COUNTS_PER_DEGREE

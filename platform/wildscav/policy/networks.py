@@ -94,11 +94,7 @@ class OnnxNetwork:
     """
 
     def __init__(self, path: Path) -> None:
-        """Load a file.
-
-        Raises:
-            PolicyError: ONNX Runtime is not installed, or cannot load the file.
-        """
+        """Load a file, or raise a PolicyError if ONNX Runtime is not installed or cannot load it."""
         try:
             import onnxruntime
         except ImportError:
@@ -166,11 +162,7 @@ def _shape_of_one(shape: Sequence[Any]) -> tuple[int, ...] | None:
 
 
 def load_network(folder: Path, description: Mapping[str, Any]) -> Network:
-    """Return the network that a ``policy.json`` names.
-
-    Raises:
-        PolicyError: The network cannot be loaded.
-    """
+    """Return the network that a ``policy.json`` names, or raise a PolicyError if it cannot be loaded."""
     kind, path = description.get("kind"), folder / str(description.get("file"))
     if not path.is_file():
         raise PolicyError(f"{path} is missing: policy.json names it as its network")

@@ -124,11 +124,7 @@ GROUPS: dict[str, Group] = {
 
 
 class Observer:
-    """Makes an environment's observations.
-
-    Args:
-        parts: ``observations`` of a description: the parts of an observation, in order.
-        flat: Whether an observation is one row of numbers.
+    """Makes an environment's observations: the parts, in order, in ``observations`` of a description.
 
     Raises:
         PolicyError: A part is unknown.
@@ -186,11 +182,7 @@ def _values(name: str, columns: Sequence[str], now: Moment) -> NDArray[np.float3
 
 
 def _columns_of(part: Mapping[str, Any]) -> tuple[str, ...] | None:
-    """Return a part's columns; None for a sensor.
-
-    Raises:
-        PolicyError: A column is unknown.
-    """
+    """Return a part's columns; None for a sensor."""
     if "columns" not in part:
         return None
     name, columns = part["name"], tuple(part["columns"])

@@ -16,7 +16,6 @@ class Stack:
     """Stacks the last observations into one.
 
     Args:
-        count: How many.
         axis: "last": along the last axis, as ``VecFrameStack`` of Stable-Baselines3 does; "new": along a new
             first axis, as ``FrameStackObservation`` of Gymnasium does.
         padding: What fills the stack before the first observation: "zero", the default of the former wrapper,

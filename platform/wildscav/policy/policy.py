@@ -26,10 +26,7 @@ class Policy:
     """
 
     def __init__(self, folder: Path) -> None:
-        """Load a policy.
-
-        Args:
-            folder: The submission's folder, which contains ``policy.json``.
+        """Load a policy from a submission's folder, which contains ``policy.json``.
 
         Raises:
             PolicyError: The file, or the network that it names, cannot be used.

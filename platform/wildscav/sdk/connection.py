@@ -5,18 +5,17 @@ steps were 30 to 50 % faster (with one agent, equally fast).
 """
 
 import asyncio
-from types import TracebackType
 from typing import Any, Self
 
 import grpc
 
 from wildscav.agent import Action, MatchInfo, Observation
 from wildscav.errors import ServerUnreachableError
-from wildscav.proto.match_pb2 import ClientMessage, MatchOver, ServerMessage
+from wildscav.proto.match_pb2 import ClientMessage, MatchOver, Ready, ServerMessage
 from wildscav.sdk.credentials import Credentials, explain_tls_failure
 from wildscav.wire.actions import encode_action
 from wildscav.wire.errors import decode_error
-from wildscav.wire.matches import decode_match_info, encode_join, encode_ready
+from wildscav.wire.matches import decode_match_info, encode_join
 from wildscav.wire.observations import decode_observation
 
 METHOD = "/wildscav.match.v1.Match/Play"
@@ -34,9 +33,6 @@ class Connection:
 
     Args:
         address: ``host:port`` or ``unix:/path``.
-        token: The seat's token.
-        sdk_version: The SDK's version, which is sent to the server.
-        credentials: For TLS; by default, the connection is not encrypted.
 
     Raises:
         ServerUnreachableError: No server answers, or the connection was lost.
@@ -127,7 +123,7 @@ class Connection:
 
     async def first(self) -> Observation | None:
         """Report that the agent is ready, and wait for the first observation; None if the match is over."""
-        return self._decode(await self._exchange(encode_ready()))
+        return self._decode(await self._exchange(ClientMessage(ready=Ready())))
 
     async def answer(self, step: int, action: Action) -> Observation | None:
         """Send the action for a step and wait for the next observation; None once the match is ``over``."""
@@ -139,7 +135,5 @@ class Connection:
             return None
         return decode_observation(message.observation, self.match.frames_per_second)
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         await self._channel.close()

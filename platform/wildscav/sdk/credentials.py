@@ -44,13 +44,9 @@ class Credentials(NamedTuple):
         return named
 
     def context(self) -> ssl.SSLContext:
-        """Return the credentials for Python's own TLS.
-
-        Raises:
-            UserError: A file cannot be read or is invalid.
-        """
+        """Return the credentials for Python's own TLS, or raise a UserError if a file is invalid."""
         for path in filter(None, self):
-            _read(path)
+            read_credential(path)
         try:
             context = ssl.create_default_context(cafile=self.ca)
             context.set_alpn_protocols(["h2"])
@@ -67,12 +63,13 @@ class Credentials(NamedTuple):
         """Return the credentials for gRPC; None for a connection that is not encrypted."""
         if not self.ca:
             return None
-        own = [_read(path) for path in (self.key, self.cert) if path]
-        credentials: grpc.ChannelCredentials = grpc.ssl_channel_credentials(_read(self.ca), *own)
+        own = [read_credential(path) for path in (self.key, self.cert) if path]
+        credentials: grpc.ChannelCredentials = grpc.ssl_channel_credentials(read_credential(self.ca), *own)
         return credentials
 
 
-def _read(path: str) -> bytes:
+def read_credential(path: str) -> bytes:
+    """Return the content of a file, or raise a UserError if it cannot be read."""
     try:
         return Path(path).read_bytes()
     except OSError as error:

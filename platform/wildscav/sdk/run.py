@@ -4,12 +4,12 @@ import asyncio
 import contextlib
 import os
 from collections.abc import Callable
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from wildscav.agent import Agent, check_action
 from wildscav.errors import AgentError, UserError
 from wildscav.notes import begin_step
-from wildscav.sdk.bridged import play_at_bridge
 from wildscav.sdk.watchdog import StepWatchdog, end_watch
 
 if TYPE_CHECKING:
@@ -19,6 +19,11 @@ Result = TypeVar("Result")
 ADDRESS_VARIABLE = "WILDSCAV_ADDRESS"
 TOKEN_VARIABLE = "WILDSCAV_TOKEN"  # noqa: S105 - the name of a variable, no secret
 INTERFACE_VARIABLE = "WILDSCAV_INTERFACE"
+# By interface: the module, and its classes of a seat and of those who play it.
+BRIDGED = {
+    "words": ("wildscav.words", "WordsSeat", "WordsPlayer"),
+    "keys": ("wildscav.keyboard", "KeysSeat", "KeysPlayer"),
+}
 
 
 def run(agent_class_or_factory: Callable[[], object]) -> None:
@@ -61,11 +66,7 @@ def _from_environment(name: str) -> str:
 
 
 def make_agent(factory: Callable[[], object]) -> Agent:
-    """Make an agent.
-
-    Raises:
-        AgentError: The object has no ``act`` or no ``reset``.
-    """
+    """Make an agent, or raise an AgentError if the object has no ``act`` or no ``reset``."""
     agent: Any = factory()
     for method in ("reset", "act"):
         if not callable(getattr(agent, method, None)):
@@ -84,6 +85,30 @@ def play(agent: Agent, address: str, token: str) -> "MatchOver":
     # A separate loop, which is not the current one for the agent's code.
     with asyncio.Runner(loop_factory=asyncio.new_event_loop) as runner:
         return runner.get_loop().run_until_complete(_play(agent, address, token))
+
+
+def play_at_bridge(interface: str, factory: Callable[[], object], address: str, token: str) -> None:
+    """Play one match by an interface.
+
+    Raises:
+        UserError: There is no such interface.
+        AgentError: The player is none of the interface, or the bridge refuses a request.
+        ServerUnreachableError: No bridge answers, or the connection was lost.
+    """
+    if interface not in BRIDGED:
+        names = ", ".join(("numbers", *BRIDGED))
+        raise UserError(f"there is no interface {interface!r}; the interfaces are {names}", exit_code=2)
+    module_name, seat_name, player_name = BRIDGED[interface]
+    module = import_module(module_name)
+    player = factory()
+    if not isinstance(player, getattr(module, player_name)):
+        raise AgentError(
+            f"{getattr(factory, '__name__', repr(factory))} must be a subclass of "
+            f'{module_name}.{player_name}, because its submission.toml says interface = "{interface}"'
+        )
+    with getattr(module, seat_name)(address, token) as seat:
+        end_watch()  # of the start
+        player.play(seat)
 
 
 def use_batch_scheduling() -> None:

@@ -27,11 +27,7 @@ def read_manifest(path: Path) -> dict[str, Any]:
 
 
 def entry_point_of(manifest: Mapping[str, Any]) -> str:
-    """Return the entry point in a manifest.
-
-    Raises:
-        UserError: There is none.
-    """
+    """Return the entry point in a manifest, or raise a UserError if there is none."""
     entry_point = manifest.get("entry_point")
     if not isinstance(entry_point, str):
         raise UserError("submission.toml has neither an entry_point nor a command", USAGE)

@@ -42,9 +42,6 @@ class StepWatchdog:
 
     A task of the event loop, which runs only while the agent's code does not, sets the watchdog again from
     time to time. So it adds no work to a step.
-
-    Args:
-        match: The match, with the agent's time limits.
     """
 
     def __init__(self, match: "MatchInfo") -> None:

@@ -76,16 +76,9 @@ def aim_at(
     frames: int,
     max_turn: float = MAX_TURN,
 ) -> Aim:
-    """Turn to where an enemy will be after this step, as seen from where the agent will be.
+    """Turn to where an enemy will be after this step, in which the agent walks at its own velocity, m/s.
 
     It shoots if it hits from the first frame to the last.
-
-    Args:
-        observation: The current observation.
-        enemy: The enemy to aim at.
-        own_velocity: The velocity at which the agent will walk in this step, m/s.
-        frames: Frames in a step.
-        max_turn: Degrees per frame that the rules allow, as ``max_turn_of`` says.
     """
     last = _view_of(observation, enemy, own_velocity, frames)
     turn = _limited(turn_to(observation.yaw, last.direction) / frames, max_turn)
@@ -104,10 +97,7 @@ def will_hit(
     """Return whether an enemy is in the sights in the first and in the last frame of a step.
 
     Args:
-        observation: The current observation.
-        enemy: The enemy.
         own_velocity: The velocity at which the agent will walk in this step, m/s.
-        frames: Frames in a step.
         turn: The turn of the step, degrees per frame.
         look: How the pitch changes in the step, degrees per frame.
     """

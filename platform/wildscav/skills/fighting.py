@@ -46,15 +46,7 @@ def wants_reload(observation: Observation, clip_size: int, in_sight: bool) -> bo
 def fighting_action(
     observation: Observation, match: MatchInfo, walk: Walk, aim: Aim, in_sight: bool
 ) -> Action:
-    """Return the action of an agent that walks and aims; it picks up what is in reach and reloads in time.
-
-    Args:
-        observation: The current observation.
-        match: What is known of the match.
-        walk: How to walk.
-        aim: How to turn, and whether to shoot.
-        in_sight: Whether an enemy is in sight.
-    """
+    """Return the action of an agent that walks and aims; it picks up what is in reach and reloads in time."""
     return Action(
         walk_direction=walk.direction,
         walk_speed=walk.speed,
@@ -89,13 +81,7 @@ def has_much_to_lose(observation: Observation, match: MatchInfo) -> bool:
 
 
 def quiet_place(match: MatchInfo, observation: Observation, enemies: Sequence[Vector]) -> Vector:
-    """Return a place near the edge of the map, far from enemies and from where supplies appear.
-
-    Args:
-        match: What is known of the match.
-        observation: The current observation.
-        enemies: Where enemies were seen, m.
-    """
+    """Return a place near the edge of the map, far from enemies (m) and from where supplies appear."""
     edge, height = match.map_size * 0.45, observation.position[1]
     soon = [wave for wave in match.supply_waves if wave.time <= observation.time + SOON][-2:]
     shunned = [*enemies, *((wave.center[0], height, wave.center[1]) for wave in soon)]
@@ -110,14 +96,7 @@ def quiet_place(match: MatchInfo, observation: Observation, enemies: Sequence[Ve
 
 
 def steady(match: MatchInfo, observation: Observation, enemy: VisibleAgent, walk: Walk) -> Walk:
-    """Return a walk no faster than lets shots at an enemy fall on its body, where walking spreads them.
-
-    Args:
-        match: What is known of the match.
-        observation: The current observation.
-        enemy: The enemy to shoot at.
-        walk: How the agent would walk otherwise.
-    """
+    """Return a walk no faster than lets shots at an enemy fall on its body, where walking spreads them."""
     if match.spread * match.walking_sway == 0.0:
         return walk
     way = max(flat_distance(observation.position, enemy.position), 0.1)
@@ -152,13 +131,7 @@ class Dodging:
         return observation.time - self.hit_at < UNDER_FIRE
 
     def direction(self, observation: Observation, enemy: Vector, closing: float = 0.0) -> float:
-        """Return the compass direction in which to dodge an enemy, degrees.
-
-        Args:
-            observation: The current observation.
-            enemy: Where the enemy is.
-            closing: Degrees by which the way leads nearer to the enemy; negative leads away.
-        """
+        """Return the compass direction, degrees, to dodge an enemy; ``closing`` degrees lead nearer to it."""
         return (direction_to(observation.position, enemy) + self.side * (90.0 - closing)) % 360.0
 
 
@@ -168,8 +141,6 @@ def weave(observation: Observation, enemy: Vector, direction: float) -> Walk:
     An enemy that leads its target by the velocity in its observation aims where the agent will not be.
 
     Args:
-        observation: The current observation.
-        enemy: Where the enemy is.
         direction: Where the agent would go, degrees. It gets there at up to half of its speed.
     """
     fire = direction_to(observation.position, enemy)
@@ -186,11 +157,6 @@ def cover_from(surroundings: Surroundings, here: Vector, enemy: Vector) -> Vecto
     """Return the nearest place that can be walked to straight and is hidden from an enemy, or None.
 
     Among places at one distance, the one that leads most away from the enemy is taken.
-
-    Args:
-        surroundings: What has been seen.
-        here: The agent's soles.
-        enemy: The enemy's.
     """
     away = direction_to(enemy, here)
     for way in COVER_STEPS:

@@ -9,8 +9,8 @@ A decision list, tried from the top whenever no way is being followed:
 """
 
 from wildscav.agent import MatchInfo, Observation, SupplyBox, Vector
-from wildscav.geometry import flat_distance
 from wildscav.skills.paths import find_ways
+from wildscav.skills.searching import effort
 from wildscav.skills.steering import Steering
 from wildscav.skills.supplies import BoxMemory, Prospecting
 from wildscav.skills.surroundings import Rings, Surroundings
@@ -37,13 +37,7 @@ class Gathering:
     """Fetches supplies for one agent in one match."""
 
     def __init__(self, match: MatchInfo, caution: Caution = USUAL, rings: Rings = RINGS) -> None:
-        """Begin with nothing known.
-
-        Args:
-            match: What is known of the match.
-            caution: In a royale, how early to go to the next circle.
-            rings: The options of the LIDAR in the submission's manifest.
-        """
+        """Begin with nothing known; the LIDAR has the rings of the submission's manifest."""
         self.match = match
         self.caution = caution
         self.rings = rings
@@ -128,7 +122,7 @@ class Gathering:
             return True
         if ways.unseen is not None and ways.unseen.length > CLOSE:
             end = ways.unseen.points[-1]
-            self._count_try(min(rich, key=lambda box: _effort(end, box)), observation.time)
+            self._count_try(min(rich, key=lambda box: effort(end, box)), observation.time)
             self.walker.take(ways.unseen)
             return True
         for box in rich:
@@ -149,7 +143,7 @@ class Gathering:
             boxes.pop(self.wanted, None)
             self.wanted = None
         if self.wanted not in boxes and boxes:
-            far = {key: _effort(here, box) for key, box in boxes.items()}
+            far = {key: effort(here, box) for key, box in boxes.items()}
             best = max(boxes, key=lambda key: _rate(boxes[key], far[key] / PACE_OUTDOORS))
             if _rate(boxes[best], far[best] / PACE_OUTDOORS) > LEAST_RATE:
                 self.wanted, self.give_up_at = best, now + 4.0 + far[best] / 5.0
@@ -183,11 +177,6 @@ class Gathering:
 
 def _is_within(here: Vector, place: Vector, reach: float) -> bool:
     return max(abs(place[0] - here[0]), abs(place[2] - here[2])) < reach - 2.0
-
-
-def _effort(here: Vector, box: SupplyBox) -> float:
-    """Return the estimated length of the way to a box, m; it is longer if the box is on another floor."""
-    return flat_distance(here, box.position) + 4.0 * abs(box.position[1] - here[1])
 
 
 def _rate(box: SupplyBox, seconds: float) -> float:

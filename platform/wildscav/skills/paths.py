@@ -55,8 +55,6 @@ def find_ways(
     Columns whose floor was not seen are taken to be level, at an additional cost.
 
     Args:
-        surroundings: What has been seen.
-        here: The agent's soles.
         goals: Places by a key; to be within 1 m of one is enough.
         reach: Metres to each side that are searched.
         enough: Metres beyond the first goal at which the search may end.
@@ -73,11 +71,7 @@ def find_ways(
 
 
 def _floor_offset(column: int) -> int | None:
-    """Return the floor that an agent gets to from one at bit 2, relative to it, or None if it is blocked.
-
-    Args:
-        column: 11 bits of a column: from 2 voxels below the floor to 8 above.
-    """
+    """Return the floor walked to from bit 2 of a column's 11 bits, relative to it; None if blocked."""
     for floor in range(2 * STEP, -1, -1):
         if column >> floor & 1 and not column & (BODY << floor):
             return floor - STEP
@@ -106,13 +100,7 @@ class _Search:
     def run(
         self, goals: dict[int, list[tuple[int, int]]], enough: float, far: Vector | None
     ) -> dict[int, Node]:
-        """Search until all columns were visited, or far enough beyond the first goal; return goals' nodes.
-
-        Args:
-            goals: By column: the goals' keys, and the voxels at which they lie.
-            enough: Metres beyond the first goal.
-            far: A place in whose direction the search goes first.
-        """
+        """Search all columns, or far enough beyond the first goal; goals have keys and voxels by column."""
         open_nodes = [(0.0, 0.0, self.start)]
         found: dict[int, Node] = {}
         limit = math.inf

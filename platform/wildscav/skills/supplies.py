@@ -80,14 +80,7 @@ class Prospecting:
         self.visited = 0  # of those waves
 
     def note_walls(self, position: Vector, yaw: float, reading: NDArray[np.float32], rings: Rings) -> None:
-        """Note the buildings that a LIDAR sees: many hits of walls, which rise steeply from ring to ring.
-
-        Args:
-            position: The agent's soles.
-            yaw: The agent's, degrees.
-            reading: (channels, azimuths) m.
-            rings: The options of the LIDAR.
-        """
+        """Note the buildings that a LIDAR sees at a yaw, degrees: many hits of walls, which rise steeply."""
         up = np.radians(np.linspace(rings.highest, rings.lowest, reading.shape[0]))[:, None]
         way, height = reading * np.cos(up), reading * np.sin(up)
         is_wall = (np.abs(np.diff(way, axis=0)) < WALL_DEPTH) & (-np.diff(height, axis=0) > WALL_RISE)

@@ -64,12 +64,7 @@ class Surroundings:
     """What an agent has seen of the world, as one 64-bit column of voxels for each cell of a grid."""
 
     def __init__(self, map_size: float, rings: Rings) -> None:
-        """Begin with an empty map.
-
-        Args:
-            map_size: Metres, of each side.
-            rings: The options of the LIDAR whose readings ``see`` takes.
-        """
+        """Begin with an empty map of so many metres a side, for readings of a LIDAR with these rings."""
         self.half = map_size / 2.0
         self.rings = rings
         self.count = math.ceil(map_size / CELL) + 1
@@ -78,13 +73,7 @@ class Surroundings:
         self._rays = np.zeros((0, 0, 3))
 
     def see(self, place: Vector, yaw: float, reading: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Add what a LIDAR reads, and return the points that it hit, (N, 3) m.
-
-        Args:
-            place: The agent's soles.
-            yaw: The agent's, degrees.
-            reading: (channels, azimuths) m.
-        """
+        """Add a LIDAR's reading, (channels, azimuths) m, at a yaw, degrees; return (N, 3) m, points hit."""
         hit = reading < self.rings.range * 0.999
         rays = self._directions(reading.shape)[hit] * reading[hit].astype(np.float64)[:, None]
         turn = math.radians(yaw)

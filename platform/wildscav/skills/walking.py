@@ -23,13 +23,7 @@ class Walk(NamedTuple):
 
 
 def hold(here: Vector, place: Vector, step_time: float) -> Walk:
-    """Return how to walk straight to a place nearby, and to stand there: no step leads past it.
-
-    Args:
-        here: The agent's soles.
-        place: Where to stand.
-        step_time: Seconds of game time of a step.
-    """
+    """Return how to walk straight to a place and to stand there: no step of so many s leads past it."""
     return Walk(direction_to(here, place), min(FULL_SPEED, flat_distance(here, place) / step_time))
 
 
@@ -37,12 +31,7 @@ class WayWalker:
     """Follows one way at a time."""
 
     def __init__(self, surroundings: Surroundings, step_time: float) -> None:
-        """Begin without a way.
-
-        Args:
-            surroundings: Where obstacles are noted that the LIDAR does not show.
-            step_time: Seconds of game time of a step.
-        """
+        """Begin without a way; obstacles that the LIDAR does not show are noted in ``surroundings``."""
         self.surroundings = surroundings
         self.pace = FULL_SPEED * step_time  # m in a step
         self.points: tuple[Vector, ...] = ()

@@ -51,10 +51,6 @@ def safe_zone(observation: Observation, caution: Caution = USUAL) -> SafeZone:
     """Return the safe zone, which has no edge in a match without one. It is read from the sensor ``zone``.
 
     A server on which the agent plays by hand may not offer that sensor; then no zone is known.
-
-    Args:
-        observation: The current observation.
-        caution: How early to go to the next circle.
     """
     x, y, z = observation.position
     reading = observation.tensors.get("zone")

@@ -37,7 +37,6 @@ def call_limited(function: str, *arguments: Any, memory: int = MEMORY) -> Any:
 
     Args:
         function: As "module:function" or "module:Class.method".
-        arguments: Arguments of the function.
         memory: Bytes that it may take, beyond what Python uses.
 
     Raises:

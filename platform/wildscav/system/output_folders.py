@@ -6,15 +6,7 @@ from wildscav.errors import UserError
 
 
 def check_folder(option: str, path: Path) -> None:
-    """Refuse a path where no folder can be created because it, or one of its parents, is a file.
-
-    Args:
-        option: The option that names the path, for the error.
-        path: A folder, or where one is to be created.
-
-    Raises:
-        UserError: It is not a folder, and a folder cannot be created there.
-    """
+    """Raise a UserError where no folder can be created at an option's path: it, or a parent, is a file."""
     there = next((each for each in (path, *path.parents) if each.exists()), path)
     if there.exists() and not there.is_dir():
         above = "" if there == path else f" cannot be made: {there}"

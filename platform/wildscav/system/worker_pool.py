@@ -24,7 +24,6 @@ def start_worker(work: Callable[..., None], *arguments: Any) -> tuple[BaseProces
     Args:
         work: What it does. It is called with the other end, the id of this process, and the arguments, and is
             to call ``become_worker`` first.
-        arguments: What can be pickled.
     """
     context = get_context("spawn")
     ours, theirs = context.Pipe()

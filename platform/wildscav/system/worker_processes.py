@@ -29,24 +29,17 @@ def starting_workers() -> Iterator[None]:
 
 
 def become_worker(parent: int) -> None:
-    """Ignore Ctrl-C, and end when the parent process ends.
-
-    Args:
-        parent: Id of the process that started this one.
-    """
+    """Ignore Ctrl-C, and end when the parent process ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     end_with_parent(parent)
 
 
 def end_with_parent(parent: int) -> None:
-    """Make this process end when its parent has ended, for whatever reason.
+    """Make this process end when its parent, by its id, has ended, for whatever reason.
 
     It gets a SIGTERM, and is killed if it does not end. (A worker that waits for work does not notice that
     its parent was killed, because its siblings hold the pipe open.)
-
-    Args:
-        parent: Id of the process that started this one.
     """
     if sys.platform == "linux":  # where the kernel sends the signal at once
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)

@@ -28,14 +28,10 @@ LAYOUT = "\n\t"  # control characters that consoles keep, because they lay out t
 
 
 def printable(text: str, keep: str = "") -> str:
-    """Return a text that cannot control a terminal: characters that are not printable become escapes.
+    """Return a text that cannot control a terminal: all that is neither printable nor kept is escaped.
 
     These are control characters, marks that change the direction of text, characters without width, and
     surrogates, which no stream could encode.
-
-    Args:
-        text: Any text.
-        keep: Characters to leave as they are.
     """
     if text.isprintable():
         return text

@@ -8,10 +8,6 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
     """Return a suggestion to append to an error, such as " (did you mean 'battle'?)".
 
     It is empty if no word is similar.
-
-    Args:
-        word: The word that was typed.
-        words: The words that are allowed.
     """
     known = list(words)
     near = [known_word for known_word in known if word and known_word.startswith(word)]

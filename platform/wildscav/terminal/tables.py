@@ -14,11 +14,7 @@ UNBOUNDED = 10_000  # characters
 
 
 class FittingTable(Table):
-    """A table in our common style. Where columns do not fit side by side, each row becomes a block of lines.
-
-    Args:
-        title: Printed above the table.
-    """
+    """A table in our style. Where columns do not fit side by side, each row becomes a block of lines."""
 
     def __init__(self, title: str | None = None) -> None:
         super().__init__(

@@ -39,7 +39,6 @@ def decode_action(message: ActionMessage, outside: Sequence[int]) -> DecodedActi
     """Check an action and return its row.
 
     Args:
-        message: The agent's message.
         outside: The columns that are not in the track's action set; they are set to zero.
     """
     row = [*map(float, _values_of(message))]

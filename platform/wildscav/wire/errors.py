@@ -17,9 +17,7 @@ class RefusalError(WildscavError):
     """The server refuses a call.
 
     Args:
-        code: The gRPC status code.
         reason: One of the reasons listed at the top of ``match.proto``.
-        message: One line for the client's user.
     """
 
     def __init__(self, code: grpc.StatusCode, reason: str, message: str) -> None:
@@ -28,13 +26,7 @@ class RefusalError(WildscavError):
 
 
 class ProtocolRefusalError(RefusalError):
-    """The server refuses a client that violated the protocol; its seat is closed.
-
-    Args:
-        reason: One of the reasons listed at the top of ``match.proto``.
-        message: One line for the client's user.
-        code: The gRPC status code.
-    """
+    """The server refuses a client that violated the protocol; its seat is closed."""
 
     def __init__(
         self, reason: str, message: str, code: grpc.StatusCode = grpc.StatusCode.INVALID_ARGUMENT

@@ -9,8 +9,6 @@ from wildscav.proto.match_pb2 import (
     ClientMessage,
     HostMatchResponse,
     Join,
-    Ready,
-    SeatConduct,
     SeatResult,
     ServerMessage,
 )
@@ -38,11 +36,6 @@ def decode_sdk(join: Join) -> str:
     """Return the client's name and version in a line that is safe to print."""
     parts = (part[:SDK_LIMIT] for part in (join.sdk_name, join.sdk_version))
     return " ".join("".join(one if one.isprintable() else "?" for one in part) for part in parts).strip()
-
-
-def encode_ready() -> ClientMessage:
-    """Return the message that an agent is ready for its match."""
-    return ClientMessage(ready=Ready())
 
 
 def encode_match_info(info: MatchInfo) -> ServerMessage:
@@ -94,22 +87,8 @@ def decode_match_info(message: MatchInfoMessage) -> MatchInfo:
 
 
 def encode_seat_result(values: Mapping[str, Any], name: str) -> SeatResult:
-    """Return a seat's result as a message.
-
-    Args:
-        values: The fields of the engine's ``SeatResult`` by name.
-        name: Display name of the seat.
-    """
+    """Return a seat's result: the fields of the engine's ``SeatResult``, and its display name."""
     return SeatResult(name=name, **values)
-
-
-def encode_conduct(values: Mapping[str, Any]) -> SeatConduct:
-    """Return a seat's conduct as a message.
-
-    Args:
-        values: The fields of the message by name.
-    """
-    return SeatConduct(**values)
 
 
 def encode_seat_address(address: str) -> str:
@@ -121,12 +100,7 @@ def encode_seat_address(address: str) -> str:
 
 
 def decode_seat_address(hosted: HostMatchResponse, called: str) -> str:
-    """Return the address at which the seats of a hosted match are joined.
-
-    Args:
-        hosted: The server's answer.
-        called: The server's address that the client has called.
-    """
+    """Return where a hosted match's seats are joined by a client that has called an address."""
     address = hosted.seat_address
     if address.startswith(":"):
         return called.rpartition(":")[0] + address

@@ -20,12 +20,7 @@ KEY = b"\x12"  # of ServerMessage.observation: field 2, length-delimited
 
 
 def encode_observation(observation: bytes, tensors: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return the bytes of a ``ServerMessage`` with an observation.
-
-    Args:
-        observation: The bytes of an ``Observation`` without tensors.
-        tensors: The seat's sensor readings by name, C-contiguous.
-    """
+    """Return a ``ServerMessage``'s bytes, of an ``Observation`` without tensors and C-contiguous tensors."""
     if tensors:
         readings = [encode_tensor(name, array) for name, array in tensors.items()]
         # The concatenation of two messages is a message with the fields of both.

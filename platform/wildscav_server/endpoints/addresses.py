@@ -77,11 +77,7 @@ def _bind_port(address: str) -> list[socket.socket]:
 
 
 def split(address: str) -> tuple[str, int]:
-    """Return the host and the port of ``host:port`` or ``[host]:port``.
-
-    Raises:
-        UserError: It is malformed.
-    """
+    """Return the host and the port of ``host:port`` or ``[host]:port``; a UserError if it is malformed."""
     host, colon, port = address.rpartition(":")
     if not colon or not host or not port.isdecimal() or int(port) > LAST_PORT:
         raise UserError(f"address is {address!r}, must be HOST:PORT or unix:/PATH", exit_code=2)

@@ -31,11 +31,7 @@ class EndpointSettings:
     insecure: bool = False  # whether other machines may connect without TLS
 
     def check_address(self, address: str) -> None:
-        """Check that a server may listen at an address.
-
-        Raises:
-            UserError: Tokens would cross the network in clear.
-        """
+        """Raise a UserError for an address where tokens would cross the network in clear."""
         if self.tls is None and not self.insecure and is_public(address):
             raise UserError(
                 f"{address} can be reached from other machines, and tokens would cross the network in clear: "
@@ -49,9 +45,6 @@ class Endpoint:
 
     Args:
         address: The address; port 0 takes a free one.
-        endpoint_settings: Who may connect, and how.
-        reservations: The seat of each token.
-        on_refusal: Called with every refusal.
         on_failure: Called with the address and an internal error before a stream's seat was known.
         on_flood: Called with the address of a seat that its agent has flooded, and with what the agent did.
         routes: Further methods that are served there.
@@ -90,7 +83,7 @@ class Endpoint:
     @property
     def pending_streams(self) -> int:
         """How many streams have not joined a seat yet."""
-        return len(self._service.pending_streams)
+        return self._service.pending_streams
 
     def start(self) -> None:
         """Accept connections."""
@@ -102,11 +95,7 @@ class Endpoint:
         self._health.serving = False
 
     async def stop(self, grace: float) -> None:
-        """Close all connections.
-
-        Args:
-            grace: s that open calls have to end by themselves.
-        """
+        """Close all connections, once open calls had ``grace`` seconds to end by themselves."""
         await self._listener.stop(grace)
         if self._path is not None:
             with contextlib.suppress(OSError):

@@ -19,55 +19,7 @@ from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.hosting.seat import Seat
 from wildscav_server.http2.stream import Stream, StreamLostError
 
-PENDING_LIMIT = 256  # at one time
-
-
-class PendingStreams:
-    """The pending streams of an endpoint. When there are too many, the oldest one is refused.
-
-    Agents join at once, so the oldest streams are not those of agents.
-    """
-
-    def __init__(self, limit: int = PENDING_LIMIT) -> None:
-        self._limit = limit
-        self._tasks: dict[asyncio.Task[None], None] = {}  # in the order of their arrival
-        self._evicted: set[asyncio.Task[None]] = set()
-
-    def __len__(self) -> int:
-        """Return how many there are."""
-        return len(self._tasks)
-
-    @contextmanager
-    def counted(self, task: "asyncio.Task[None]") -> Iterator[None]:
-        """Count a stream as pending during the block.
-
-        Args:
-            task: The task that serves the stream and runs the block.
-
-        Raises:
-            RefusalError: It was evicted to make room for another one.
-        """
-        if len(self._tasks) >= self._limit:
-            oldest = next(iter(self._tasks))
-            del self._tasks[oldest]
-            self._evicted.add(oldest)
-            oldest.cancel()
-        self._tasks[task] = None
-        try:
-            yield
-        except asyncio.CancelledError:
-            if task not in self._evicted:  # its connection was lost
-                raise
-            raise RefusalError(
-                grpc.StatusCode.RESOURCE_EXHAUSTED,
-                "SERVER_BUSY",
-                f"more than {self._limit} streams have not joined; send the Join sooner",
-            ) from None
-        finally:
-            self._tasks.pop(task, None)
-            self._evicted.discard(task)
-
-
+PENDING_LIMIT = 256  # streams that have not joined, at one time
 JOIN_TIMEOUT = 10.0  # s that a new stream has to send its Join
 REFUSAL_DELAY = 0.2  # s before a Join is refused, which slows down repeated attempts
 STREAM_ENDED = "its stream ended"
@@ -83,14 +35,7 @@ class Reservation(NamedTuple):
 
 
 class MatchService:
-    """Serves the seats of all matches of a server to the clients of one address.
-
-    Args:
-        reservations: The seat of each token; the server adds and removes entries.
-        on_refusal: Called with every refusal.
-        on_failure: Called with the address and an internal error before a stream's seat was known.
-        address: The address.
-    """
+    """Serves the seats of all matches of a server, which adds and removes reservations, at one address."""
 
     def __init__(
         self,
@@ -101,7 +46,13 @@ class MatchService:
     ) -> None:
         self._reservations, self._address = reservations, address
         self._on_refusal, self._on_failure = on_refusal, on_failure
-        self.pending_streams = PendingStreams()
+        self._pending: dict[asyncio.Task[None], None] = {}  # in the order of their arrival
+        self._evicted: set[asyncio.Task[None]] = set()
+
+    @property
+    def pending_streams(self) -> int:
+        """How many streams have not joined a seat yet."""
+        return len(self._pending)
 
     async def play(self, stream: Stream) -> None:
         """Serve one seat from joining to the end of its match."""
@@ -123,13 +74,39 @@ class MatchService:
 
     async def _identify(self, stream: Stream) -> tuple[Reservation, Join]:
         """Read which seat a new stream is for. Refusals are delayed."""
-        with self.pending_streams.counted(_this_task()):
+        with self._counted_as_pending(_this_task()):
             try:
                 join = await _read_join(stream)
                 return self._find_reservation(join), join
             except RefusalError:
                 await asyncio.sleep(REFUSAL_DELAY)
                 raise
+
+    @contextmanager
+    def _counted_as_pending(self, task: "asyncio.Task[None]") -> Iterator[None]:
+        """Count the stream that a task serves as pending. Of too many, the oldest one is refused.
+
+        Agents join at once, so the oldest streams are not those of agents.
+        """
+        if len(self._pending) >= PENDING_LIMIT:
+            oldest = next(iter(self._pending))
+            del self._pending[oldest]
+            self._evicted.add(oldest)
+            oldest.cancel()
+        self._pending[task] = None
+        try:
+            yield
+        except asyncio.CancelledError:
+            if task not in self._evicted:  # its connection was lost
+                raise
+            raise RefusalError(
+                grpc.StatusCode.RESOURCE_EXHAUSTED,
+                "SERVER_BUSY",
+                f"more than {PENDING_LIMIT} streams have not joined; send the Join sooner",
+            ) from None
+        finally:
+            self._pending.pop(task, None)
+            self._evicted.discard(task)
 
     def _find_reservation(self, join: Join) -> Reservation:
         if join.protocol_version != PROTOCOL_VERSION:
@@ -303,12 +280,7 @@ class _Exchange:
 
 
 async def _read(stream: Stream) -> ClientMessage:
-    """Read a message.
-
-    Raises:
-        ProtocolRefusalError: It is too large or invalid.
-        StreamLostError: The stream has ended.
-    """
+    """Read a message."""
     return _parsed(await stream.read())
 
 

@@ -11,21 +11,13 @@ from wildscav_server.http2.stream import Stream
 
 
 class Organizer:
-    """Authenticates organizers.
-
-    Args:
-        token: The secret that every call must carry; None accepts all calls.
-    """
+    """Authenticates organizers by the secret that calls must carry; without one, all are accepted."""
 
     def __init__(self, token: str | None) -> None:
         self._token = token
 
     def admit(self, stream: Stream) -> None:
-        """Check that a call is an organizer's, and mark its client as known.
-
-        Raises:
-            RefusalError: It does not carry the secret.
-        """
+        """Mark a call's client as known, or raise a RefusalError if it lacks the organizers' secret."""
         if self._token is not None:
             given = stream.headers.get("authorization", "").removeprefix("Bearer ")
             if not hmac.compare_digest(given.encode(), self._token.encode()):
@@ -37,11 +29,7 @@ class Organizer:
         stream.mark_authenticated()
 
     def check_address(self, address: str) -> None:
-        """Check that a server may listen for organizers at an address.
-
-        Raises:
-            UserError: Other machines could open matches there without a token.
-        """
+        """Raise a UserError for an address where other machines could open matches without a token."""
         if self._token is None and is_public(address):
             raise UserError(
                 f"{address} can be reached from other machines: give an organizer token "

@@ -26,19 +26,11 @@ class ArenaHandler(Protocol):
     """The interface of the Arena service's implementations. Their callers have been authenticated already."""
 
     async def host_match(self, request: HostMatchRequest) -> HostMatchResponse:
-        """Open a match.
-
-        Raises:
-            RefusalError: It cannot be opened.
-        """
+        """Open a match, or raise a RefusalError if it cannot be opened."""
         ...
 
     async def get_match(self, request: GetMatchRequest) -> GetMatchResponse:
-        """Return the state of a match.
-
-        Raises:
-            RefusalError: There is no such match.
-        """
+        """Return the state of a match, or raise a RefusalError if there is no such match."""
         ...
 
 
@@ -70,12 +62,7 @@ class Health:
 def unary(
     kind: type[Request], call: Callable[[Request], Awaitable[Message]]
 ) -> Callable[[Stream], Awaitable[None]]:
-    """Return the handler of a method with one request and one response.
-
-    Args:
-        kind: The class of the request.
-        call: Returns the response; may raise ``RefusalError``.
-    """
+    """Return the handler of a method with one request and one response, which may raise ``RefusalError``."""
 
     async def serve(stream: Stream) -> None:
         try:

@@ -1,10 +1,10 @@
 """TLS of a server: its certificate, and the authority of its clients' certificates."""
 
 import ssl
-from pathlib import Path
 from typing import NamedTuple
 
-from wildscav.errors import UserError, describe
+from wildscav.errors import UserError
+from wildscav.sdk.credentials import read_credential
 
 
 class Certificate(NamedTuple):
@@ -15,13 +15,9 @@ class Certificate(NamedTuple):
     client_ca: str | None = None  # the authority of clients' certificates; None: clients need none
 
     def context(self) -> ssl.SSLContext:
-        """Read the files.
-
-        Raises:
-            UserError: A file cannot be read, or certificate and key do not belong together.
-        """
+        """Read the files, or raise a UserError if that fails or certificate and key do not fit."""
         for path in filter(None, self):
-            readable(path)
+            read_credential(path)
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
         context.minimum_version = ssl.TLSVersion.TLSv1_2
         context.options |= ssl.OP_NO_RENEGOTIATION
@@ -42,18 +38,6 @@ class Certificate(NamedTuple):
                     f"{self.client_ca} contains no certificate: {_reason(error)}", exit_code=2
                 ) from None
         return context
-
-
-def readable(path: str) -> None:
-    """Check that a file can be read.
-
-    Raises:
-        UserError: It cannot be read.
-    """
-    try:
-        Path(path).read_bytes()
-    except OSError as error:
-        raise UserError(f"cannot read {describe(error)}", exit_code=2) from None
 
 
 def _no_password() -> str:

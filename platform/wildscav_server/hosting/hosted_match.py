@@ -32,16 +32,7 @@ class MatchCancelledError(WildscavError):
 
 
 class HostedMatch:
-    """A match on a server. Make one with ``MatchServer.host``.
-
-    Args:
-        match: The match, at its start.
-        names: Display name of every seat.
-        seats: The seats that agent processes fill.
-        clock: The time limits of these seats.
-        seat_time: The clock that measures their time.
-        starting: Whether the time to join begins only once every seat is ``launched``.
-    """
+    """A match on a server, made with ``MatchServer.host``; if ``starting``, seats are not launched yet."""
 
     def __init__(
         self,
@@ -106,11 +97,7 @@ class HostedMatch:
         self.task.cancel()
 
     async def finished(self) -> MatchOutcome:
-        """Wait until the match is over.
-
-        Raises:
-            MatchCancelledError: It was cancelled.
-        """
+        """Wait until the match is over, or raise a MatchCancelledError if it was cancelled."""
         await asyncio.wait([self.task])
         if self.task.cancelled():
             raise MatchCancelledError("the match was cancelled")
@@ -119,16 +106,7 @@ class HostedMatch:
     # The interface for the seats' streams.
 
     def join(self, seat: Seat, stream: asyncio.Task[None], join: Join) -> None:
-        """Take a seat for a stream.
-
-        Args:
-            seat: The seat.
-            stream: The task that serves the stream.
-            join: The stream's first message.
-
-        Raises:
-            RefusalError: The seat is taken or closed.
-        """
+        """Take a seat for the task that serves its stream; a RefusalError if it is taken or closed."""
         if seat.gone:
             raise RefusalError(
                 grpc.StatusCode.FAILED_PRECONDITION, "SEAT_CLOSED", f"seat {seat.number} is closed"

@@ -38,14 +38,7 @@ LEAST_CREDIT = 0.001  # s of waiting for a processor for which a step waits long
 
 
 class Lockstep:
-    """Plays the steps of a match.
-
-    Args:
-        match: The match, at its start.
-        seats: The seats that agent processes fill.
-        clock: The time limits of these seats.
-        time: The clock that measures their time.
-    """
+    """Plays the steps of a match; the seats are those that agent processes fill."""
 
     def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock, time: SeatClock) -> None:
         self._match, self._seats, self._clock, self._time = match, seats, clock, time

@@ -98,11 +98,7 @@ def read_manifest(path: Path) -> Manifest:
 
 
 def check_plays_numbers(path: Path, manifest: Manifest) -> None:
-    """Refuse a submission that needs a bridge, where there is none.
-
-    Raises:
-        SubmissionError: It plays by words or keys.
-    """
+    """Raise a SubmissionError if a submission plays by words or keys, where there is no bridge."""
     if manifest.interface != "numbers":
         raise SubmissionError(
             f"{path}: interface: is {manifest.interface!r}; here, agents must play by numbers (`wildscav "

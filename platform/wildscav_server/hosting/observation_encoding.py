@@ -124,11 +124,7 @@ def _put_key(out: NDArray[np.uint8], at: int, field: int, kind: int) -> int:
 
 @kernel
 def put_number(out: NDArray[np.uint8], at: int, field: int, number: int) -> int:
-    """Write an integer or a flag; nothing if it is 0.
-
-    Raises:
-        ValueError: It is below 0.
-    """
+    """Write an integer or a flag; nothing if it is 0, and a ValueError if it is below 0."""
     if number == 0:
         return at
     if number < 0:

@@ -14,12 +14,7 @@ if TYPE_CHECKING:
 
 
 class SeatObservations:
-    """The observations of some seats of a match, encoded for all seats at once.
-
-    Args:
-        match: The match.
-        seats: The numbers of the seats.
-    """
+    """The observations of some seats of a match, encoded for all seats at once."""
 
     def __init__(self, match: "Match", seats: Sequence[int]) -> None:
         from wildscav_server.hosting.observation_encoding import BUFFER_SIZE, put_observations
@@ -31,10 +26,7 @@ class SeatObservations:
         self._lengths = np.zeros(len(seats), np.int64)
 
     def encode(self, time_banks: Iterable[float]) -> None:
-        """Encode the seats' observations of the match's current state.
-
-        Args:
-            time_banks: The remaining time bank of each seat, s.
+        """Encode the seats' observations of the current state, with what is left of their time banks, s.
 
         Raises:
             ValueError: A number in the state is out of range.

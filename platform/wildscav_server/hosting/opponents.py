@@ -61,14 +61,7 @@ def numbered(names: Sequence[str]) -> tuple[str, ...]:
 async def playing(
     folders: Mapping[int, Path], hosted: "HostedMatch", addresses: Mapping[int, str], logs: Path
 ) -> AsyncIterator[None]:
-    """Run submissions within the block, without a sandbox; whoever starts them trusts their code.
-
-    Args:
-        folders: The submission's folder of each seat that has one.
-        hosted: The match.
-        addresses: Where each of these seats is joined.
-        logs: The folder for what agents print.
-    """
+    """Run submissions within the block, without a sandbox; whoever starts them trusts their code."""
     async with AsyncExitStack() as stack:
         for seat, folder in folders.items():
             log = logs / f"{seat}-{hosted.names[seat].replace(' ', '-')}.log"

@@ -17,13 +17,10 @@ _read: set["Sensor"] = set()
 
 
 def precompile(sensors: "Iterable[Sensor] | None" = None) -> None:
-    """Play a tiny match of every track, once per process, and read each sensor once.
+    """Play a tiny match of every track, once per process, and read each sensor once; None: all of them.
 
     Kernels are compiled (or loaded from the cache) when they first run. In the event loop, that would delay
     all other matches, and the time would be charged to their agents.
-
-    Args:
-        sensors: The sensors to read; by default, sensors of every kind with all choices of their options.
     """
     with _lock:
         match = _tiny_match()
@@ -34,11 +31,7 @@ def precompile(sensors: "Iterable[Sensor] | None" = None) -> None:
 
 
 def precompile_for(submissions: "Iterable[Mapping[str, Any]]") -> None:
-    """Precompile the sensors of submissions.
-
-    Args:
-        submissions: For each submission, the options of each sensor by the sensor's name.
-    """
+    """Precompile the sensors of submissions; each has their options by name."""
     from wildscav_engine.sensors import parse_sensors
 
     precompile([sensor for sensors in submissions for sensor in parse_sensors(sensors).values()])

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from wildscav.errors import SensorError
 from wildscav.proto.match_pb2 import SeatConduct
 from wildscav.wire.errors import RefusalError
-from wildscav.wire.matches import encode_conduct
 from wildscav_server.hosting.reports import Conduct, SeatReport, SeatStatus, ThinkTime
 from wildscav_server.thinking import Purse
 from wildscav_server.time_limits import TimeBank, WaitMeter
@@ -23,14 +22,7 @@ if TYPE_CHECKING:
 
 
 class Seat:
-    """A seat that an agent process fills.
-
-    Args:
-        number: The seat's number in its match.
-        token: The secret with which it is joined.
-        bank: The seat's time bank.
-        sensors: The sensors of its observations, by name.
-    """
+    """A seat that an agent process fills."""
 
     def __init__(self, number: int, token: str, bank: TimeBank, sensors: dict[str, "Sensor"]) -> None:
         self.number = number
@@ -101,16 +93,14 @@ class Seat:
     def conduct_message(self) -> SeatConduct:
         """Return its conduct so far as a protocol message."""
         time = ThinkTime.of(self.times)
-        return encode_conduct(
-            {
-                "fault": self.conduct.status.fault or "",
-                "time_used": time.total,
-                "latency_p50": time.p50,
-                "latency_p99": time.p99,
-                "latency_max": time.max,
-                "time_bank": self.bank.left,
-                **asdict(self.conduct),
-            }
+        return SeatConduct(
+            fault=self.conduct.status.fault or "",
+            time_used=time.total,
+            latency_p50=time.p50,
+            latency_p99=time.p99,
+            latency_max=time.max,
+            time_bank=self.bank.left,
+            **asdict(self.conduct),
         )
 
     def report(self) -> SeatReport:
@@ -129,14 +119,7 @@ class Seat:
 
 
 def parse_sensors(wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, "Sensor"]:
-    """Check the sensors that a seat asks for.
-
-    Args:
-        wanted: The options of each sensor, by the sensor's name.
-
-    Raises:
-        SensorError: There is no such sensor, or it does not have such an option.
-    """
+    """Return the sensors that a seat asks for; a SensorError if there is no such sensor or option."""
     from wildscav_engine.sensors import parse_sensors
 
     try:

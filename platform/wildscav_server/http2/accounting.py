@@ -1,7 +1,6 @@
 """What clients may cost: an account for each connection, and a share of time for unknown clients."""
 
 import asyncio
-import time
 from collections.abc import Callable
 
 from wildscav_server.http2.frames import (
@@ -44,7 +43,6 @@ class Account:
     9113, 5.2).
 
     Args:
-        send: Sends frames to the client.
         on_known: Called once when the client identifies itself.
     """
 
@@ -71,15 +69,7 @@ class Account:
     # The allowance.
 
     def spend(self, cost: float, kind: int | None = None) -> None:
-        """Pay for a frame or for a read.
-
-        Args:
-            cost: The cost in frames.
-            kind: The kind of the frame; None for a read.
-
-        Raises:
-            FloodError: The allowance is used up.
-        """
+        """Pay for a frame of some kind or a read, in frames; a FloodError if the allowance is used up."""
         self._left -= cost
         if self._left < 0.0:
             now = self._loop.time()
@@ -95,12 +85,7 @@ class Account:
         self._left = min(self._limit, self._left + frames)
 
     def refill(self, sent: int, *, begins: bool) -> None:
-        """Refill the allowance for a message, or a part of it, that the server sends.
-
-        Args:
-            sent: Its size, bytes.
-            begins: Whether it begins a message.
-        """
+        """Refill the allowance for bytes of a message, perhaps its first, that the server sends."""
         self.refund(begins * REFILL_PER_MESSAGE + sent / BYTES_PER_FRAME)
         self._unanswered = 0
 
@@ -122,20 +107,13 @@ class Account:
                 waiter.set_result(None)
 
     def grow_send_window(self, size: int) -> None:
-        """Let the server send as many more bytes.
-
-        Raises:
-            FrameError: The window becomes larger than allowed.
-        """
+        """Let the server send as many more bytes; a FrameError if the window becomes larger than allowed."""
         self.window = grown(self.window, size)
 
     # From client to server.
 
     def receive(self, size: int) -> None:
-        """Count data that the client has sent.
-
-        Args:
-            size: Bytes.
+        """Count bytes that the client has sent.
 
         Raises:
             FrameError: It exceeds the connection's window; a FloodError if it is too much for an unknown
@@ -149,12 +127,7 @@ class Account:
             raise FloodError(f"sent {self._unanswered:,} bytes without identifying itself")
 
     def release_received(self, size: int, stream: int = 0) -> None:
-        """Let the client send as much again as has been read.
-
-        Args:
-            size: Bytes.
-            stream: The stream whose window grows with the connection's; 0: only the connection's.
-        """
+        """Let the client send as many bytes again as have been read, on a stream or the connection alone."""
         self._unread -= size
         self._to_release += size
         frames = write_frame(Kind.WINDOW_UPDATE, 0, stream, size.to_bytes(4, "big")) if stream else b""
@@ -166,11 +139,7 @@ class Account:
 
 
 def grown(window: int, size: int) -> int:
-    """Return a window that a client has enlarged.
-
-    Raises:
-        FrameError: It is larger than allowed.
-    """
+    """Return a window that a client has enlarged, or raise a FrameError if it is larger than allowed."""
     if window + size > LARGEST_WINDOW:
         raise FrameError(Code.FLOW_CONTROL_ERROR, "opened a window too far")
     return window + size
@@ -183,21 +152,13 @@ CONNECTION_COST, GONE_COST = 300e-6, 20e-6
 
 
 class TimeShare:
-    """The share of the loop's time for unknown clients, which are neither in a seat nor organizers.
-
-    Args:
-        clock: Returns the time, s.
-    """
+    """The share of the loop's time, by a clock in s, for clients neither in a seat nor organizers."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock, self._left, self._since = clock, BURST, clock()
 
     def spend(self, cost: float) -> None:
-        """Charge processor time to the share.
-
-        Args:
-            cost: Processor time, s.
-        """
+        """Charge processor time, s, to the share."""
         self._refill()
         self._left -= cost
 
@@ -210,6 +171,3 @@ class TimeShare:
         now = self._clock()
         self._left = min(BURST, self._left + (now - self._since) * SHARE)
         self._since = now
-
-
-processor_time = time.thread_time  # of this thread, s

@@ -7,6 +7,7 @@ import asyncio
 import contextlib
 import socket
 import ssl
+import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import cast
 
@@ -18,7 +19,6 @@ from wildscav_server.http2.accounting import (
     Account,
     FloodError,
     TimeShare,
-    processor_time,
 )
 from wildscav_server.http2.frames import Code, FrameError, Kind, write_frame
 from wildscav_server.http2.session import SETTINGS, Route, Session
@@ -40,9 +40,6 @@ class Encryption:
 
     The connection itself decrypts its data, so that the time is charged to its client; asyncio's own TLS
     would decrypt it before the connection is called.
-
-    Args:
-        context: TLS settings with the server's certificate.
     """
 
     def __init__(self, context: ssl.SSLContext) -> None:
@@ -53,9 +50,6 @@ class Encryption:
 
     def decrypt(self, content: bytes) -> bytes:
         """Process data from the client, and return the decrypted content.
-
-        Args:
-            content: The data as it was read.
 
         Returns:
             Decrypted bytes; none during the handshake, or while a record is incomplete.
@@ -97,12 +91,7 @@ class Encryption:
 
 
 class Connection(asyncio.BufferedProtocol):
-    """One client's connection.
-
-    Args:
-        listener: The listener that it belongs to.
-        peer: The client's host, "" if it is not known.
-    """
+    """The connection of one client, whose host is "" if it is not known."""
 
     def __init__(self, listener: "Listener", peer: str) -> None:
         self._listener, self.peer, self._tls = listener, peer, listener.tls
@@ -181,12 +170,7 @@ class Connection(asyncio.BufferedProtocol):
             self.abort()
 
     def _decrypted(self, content: bytes, tls: ssl.SSLContext) -> bytes:
-        """Return the content of TLS records; their overhead is charged like frames without a message.
-
-        Raises:
-            ssl.SSLError: The data is not valid TLS, or the client's certificate is not accepted.
-            FloodError: The records have too much overhead.
-        """
+        """Return the content of TLS records; their overhead is charged like frames without a message."""
         encryption = self._encryption = self._encryption or Encryption(tls)
         was_ready = encryption.is_ready
         try:
@@ -201,9 +185,9 @@ class Connection(asyncio.BufferedProtocol):
         return plain
 
     def _take_from_unknown(self, content: bytes) -> None:
-        started = processor_time()
+        started = time.thread_time()
         self._take(content)
-        self._listener.share.spend(processor_time() - started)
+        self._listener.share.spend(time.thread_time() - started)
 
     def _pause(self) -> None:
         if self._transport is not None:
@@ -279,12 +263,9 @@ class Listener:
 
     Args:
         sockets: Bound sockets; they are closed with the listener.
-        routes: The route of each method.
-        connections: How many connections may be open at one time.
         max_total_connections: How many connections are accepted in all; None for any number. A number means
             that all of them come from one agent.
         on_flood: Called with what that agent did when no more connections are accepted from it.
-        tls: TLS settings; None if connections are not encrypted.
     """
 
     def __init__(
@@ -458,11 +439,7 @@ class Listener:
         self._sockets.clear()
 
     async def stop(self, grace: float) -> None:
-        """Close all connections.
-
-        Args:
-            grace: s that calls have to end by themselves.
-        """
+        """Close all connections, once calls had ``grace`` seconds to end by themselves."""
         self.close()
         for connection in tuple(self._open):
             connection.session.announce_end()

@@ -67,12 +67,7 @@ class Setting(IntEnum):
 
 
 class FrameError(Exception):
-    """A peer has violated HTTP/2.
-
-    Args:
-        code: The error code.
-        message: What the peer did, in a line that begins with a verb: "sent …".
-    """
+    """A peer has violated HTTP/2; the message begins with a verb: "sent …"."""
 
     def __init__(self, code: Code, message: str) -> None:
         super().__init__(message)
@@ -110,11 +105,7 @@ def header_block(headers: list[tuple[str, str]]) -> bytes:
 
 
 def read_settings(payload: bytes) -> Iterator[tuple[int, int]]:
-    """Yield the parameters and values of a SETTINGS frame.
-
-    Raises:
-        FrameError: The frame's length is wrong.
-    """
+    """Yield the parameters and values of a SETTINGS frame; a FrameError if its length is wrong."""
     if len(payload) % 6:
         raise FrameError(Code.FRAME_SIZE_ERROR, "sent a SETTINGS frame of a wrong length")
     for at in range(0, len(payload), 6):
@@ -153,11 +144,7 @@ class FrameReader:
         self._has_preface = False  # whether the preface was read
 
     def feed(self, content: bytes) -> Iterator[Frame]:
-        """Yield the frames that are now complete.
-
-        Raises:
-            FrameError: The data is not HTTP/2, or a frame is too large.
-        """
+        """Yield the frames that are now complete; a FrameError if one is too large or it is not HTTP/2."""
         content, at = (self._rest + content if self._rest else content), 0
         self._rest = b""
         if not self._has_preface:

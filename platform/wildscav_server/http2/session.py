@@ -60,12 +60,7 @@ class Route(NamedTuple):
 
 
 class Session:
-    """One client's HTTP/2: processes its frames, and serves its calls.
-
-    Args:
-        account: The client's account.
-        routes: The route of each method.
-    """
+    """One client's HTTP/2: processes its frames, and serves its calls."""
 
     def __init__(self, account: Account, routes: Mapping[str, Route]) -> None:
         self._account, self._routes = account, routes
@@ -193,13 +188,7 @@ class Session:
             self._begin(number, headers, ends=ends)
 
     def _begin(self, number: int, headers: Mapping[str, str], *, ends: bool) -> None:
-        """Serve a new call.
-
-        Args:
-            number: The stream's number.
-            headers: The request's headers.
-            ends: Whether the client sends nothing more on the stream.
-        """
+        """Serve a new call; ``ends`` says that the client sends nothing more on the stream."""
         if self._is_ending or len(self._streams) >= STREAMS:
             self._end_at_once(number, Code.REFUSED_STREAM)
             return
@@ -265,11 +254,7 @@ class Session:
         return write_frame(Kind.GOAWAY, 0, 0, payload)
 
     def abort(self, refusal: RefusalError | None = None) -> None:
-        """End all calls because their client is gone or was refused.
-
-        Args:
-            refusal: What the client did, if it has violated the protocol.
-        """
+        """End all calls because their client is gone, or is refused for violating the protocol."""
         streams, self._streams = tuple(self._streams.values()), {}
         for stream in streams:
             stream.abort(refusal)

@@ -30,9 +30,6 @@ class Stream:
     """A call, as its handler sees it. If the client ends it, the handler is cancelled.
 
     Args:
-        account: Its connection's account.
-        number: The stream's number.
-        headers: The request's headers.
         window: Bytes that the client accepts on the stream.
         limit: The largest message that the client may send, bytes.
         on_end: Called with the stream once its status is sent.
@@ -150,11 +147,7 @@ class Stream:
         return True
 
     async def write(self, message: bytes) -> None:
-        """Send a message; returns when all of it is passed to the transport.
-
-        Raises:
-            StreamLostError: The client is gone.
-        """
+        """Pass all of a message to the transport, or raise a StreamLostError if the client is gone."""
         content = _prefixed(message)
         account, at = self._account, 0
         while at < len(content):
@@ -176,13 +169,7 @@ class Stream:
         self._account.send(head + write_frame(Kind.DATA, 0, self.number, content))
 
     def finish(self, refusal: RefusalError | None = None, code: int = 0, details: str = "") -> None:
-        """End the call; does nothing if it has ended.
-
-        Args:
-            refusal: Why the call is refused; None if it is not.
-            code: The gRPC status code, if there is no refusal.
-            details: The details of that status.
-        """
+        """End the call with a refusal, or a gRPC status code; does nothing if it has ended."""
         if self.finished:
             return
         self._end()
@@ -209,11 +196,7 @@ class Stream:
     # The interface for the connection.
 
     def end_after(self, seconds: float) -> None:
-        """End the call by its client's deadline.
-
-        Args:
-            seconds: s from now.
-        """
+        """End the call by its client's deadline, s from now."""
         self._deadline = asyncio.get_running_loop().call_later(seconds, self._expire)
 
     def _expire(self) -> None:
@@ -222,12 +205,7 @@ class Stream:
             self.task.cancel()
 
     def feed(self, content: bytes, size: int) -> bool:
-        """Process data from the client, and return whether it completed a message.
-
-        Args:
-            content: The data.
-            size: Bytes that it uses of the windows, padding included.
-        """
+        """Process data, which uses ``size`` bytes of the windows; return whether it completed a message."""
         self._received += size
         complete = False
         if self.refusal is None and not self.finished:
@@ -285,11 +263,7 @@ class Stream:
             self._reader.set_result(None)
 
     def abort(self, refusal: RefusalError | None = None) -> None:
-        """End the call without a status, because the client is gone.
-
-        Args:
-            refusal: What the client did, if it has violated the protocol.
-        """
+        """End the call without a status, because the client is gone, perhaps for violating the protocol."""
         self._end()
         self.refusal = self.refusal or refusal
         if self.task is not None:

@@ -26,12 +26,7 @@ class Log(Protocol):
 
 
 def open_log(form: LogFormat | None, **values: Any) -> Log:
-    """Return a log.
-
-    Args:
-        form: Format of its lines; None writes nothing.
-        values: Values that are added to every line.
-    """
+    """Return a log, which without a form writes nothing."""
     import structlog
 
     renderer: Any = structlog.processors.JSONRenderer(_as_json)

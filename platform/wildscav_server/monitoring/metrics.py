@@ -13,11 +13,7 @@ HOST = "127.0.0.1"
 
 @contextmanager
 def serving_metrics(collector: Collector, port: int | None) -> Iterator[str | None]:
-    """Serve metrics to this machine until the block ends.
-
-    Args:
-        collector: The source of the metrics.
-        port: Port to listen on; 0 takes a free one, None serves nothing.
+    """Serve metrics to this machine, at a free port for 0 and not at all for None, until the block ends.
 
     Yields:
         The URL of the metrics, or None if they are not served.

@@ -23,7 +23,6 @@ class Dispatcher:
     A match's id is ``WORKER.GENERATION-ID``: it identifies the worker, and the process of that worker.
 
     Args:
-        workers: The workers, which take turns.
         place: Index of the address among those of the server, and of its seats' address among a worker's.
     """
 

@@ -24,12 +24,7 @@ class WorkerLostError(WildscavError):
 
 
 class WorkerSupervisor:
-    """One worker process, restarted whenever it ends.
-
-    Args:
-        config: The worker's configuration.
-        log: Where to write that the worker ended.
-    """
+    """One worker process, restarted whenever it ends."""
 
     def __init__(self, config: WorkerConfig, log: Log) -> None:
         self.number = config.number  # from 1
@@ -42,11 +37,7 @@ class WorkerSupervisor:
         self._restarter: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
-        """Start its process, and restart it from now on whenever it ends.
-
-        Raises:
-            UserError: The process cannot start.
-        """
+        """Start its process, or raise a UserError; from now on restart it whenever it ends."""
         await self._start_process()
         self._restarter = asyncio.create_task(self._restart_forever())
 
@@ -69,11 +60,7 @@ class WorkerSupervisor:
         )
 
     async def _configure(self, process: asyncio.subprocess.Process) -> WorkerReady:
-        """Send a process its configuration, and return its answer.
-
-        Raises:
-            UserError: It cannot start with that configuration, or its answer is invalid.
-        """
+        """Send a process its configuration, and return its answer."""
         if process.stdin is None or process.stdout is None:
             raise RuntimeError("a worker has pipes")
         process.stdin.write(json.dumps(self._config._asdict()).encode() + b"\n")
@@ -115,11 +102,7 @@ class WorkerSupervisor:
 
     @property
     def arena(self) -> ArenaStub:
-        """The client of its Arena service.
-
-        Raises:
-            WorkerLostError: Its process has ended, and the new one is not ready yet.
-        """
+        """The client of its Arena service; a WorkerLostError between one process and the next."""
         if self._channel is None or self._process is None or self._process.returncode is not None:
             raise WorkerLostError(f"worker {self.number} is being restarted")
         return ArenaStub(self._channel)

@@ -8,8 +8,8 @@ import typer
 
 from wildscav.cli.shared_options import AsJson, named_in
 from wildscav.errors import UserError
-from wildscav_training.cli.level_option import level_names
 from wildscav_training.cli.playing import ALL, baselines_of, play_all, players_of
+from wildscav_training.cli.track_and_level import level_names
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -102,11 +102,7 @@ def baselines(
 
 
 def _play(track: str, levels: Sequence[Any], names: Sequence[str], matches: int) -> "Played":
-    """Play all matches.
-
-    Raises:
-        UserError: There is no such agent, or it does not play the track.
-    """
+    """Play all matches."""
     from wildscav_training.trials import matches_on, play
 
     players = players_of((track,), names)

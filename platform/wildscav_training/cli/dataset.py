@@ -8,6 +8,7 @@ import typer
 
 from wildscav.cli.shared_options import AsJson
 from wildscav.errors import UserError
+from wildscav_training.cli.track_and_level import known_track
 
 if TYPE_CHECKING:
     from wildscav_training.datasets.episodes import Episode
@@ -76,13 +77,18 @@ def dataset(
     of_agent = {"--track": track, "--matches": matches, "--seed": seed}
     of_records = {"--seat": seat, "--name": agent_name}
     _check_choice(records, agent, {**of_agent} if agent is None else of_records)
+    from wildscav_training.datasets.from_agent import PlayedEpisodes
+    from wildscav_training.datasets.from_records import RecordedEpisodes
+
     options = dict(map(read_option, option or []))
     source: PlayedEpisodes | RecordedEpisodes
     if agent is None:
-        source = _recorded(records or [], options, seat, agent_name, together=together)
+        seats, names = seat or (), agent_name or ()
+        source = RecordedEpisodes(records or [], options, seats=seats, names=names, together=together)
         what = f"{source.count} records"
     else:
-        source = _played(agent, track or "navigation", options, matches, seed, together=together)
+        track, count = known_track(track or "navigation"), matches or MATCHES
+        source = PlayedEpisodes(agent, track, options, matches=count, seed=seed or 0, together=together)
         what = f"{source.count} matches of {agent}"
     written = _write(name, source, options, what)
     console.print(
@@ -94,36 +100,8 @@ def dataset(
         print_json({**written._asdict(), "folder": str(written.folder)})
 
 
-def _recorded(
-    records: list[Path],
-    options: dict[str, Any],
-    seats: list[int] | None,
-    names: list[str] | None,
-    *,
-    together: bool,
-) -> "RecordedEpisodes":
-    from wildscav_training.datasets.from_records import RecordedEpisodes
-
-    return RecordedEpisodes(records, options, seats=seats or (), names=names or (), together=together)
-
-
-def _played(
-    agent: str, track: str, options: dict[str, Any], matches: int | None, seed: int | None, *, together: bool
-) -> "PlayedEpisodes":
-    from wildscav_training.datasets.from_agent import PlayedEpisodes
-
-    _check_track(track)
-    return PlayedEpisodes(
-        agent, track, options, matches=matches or MATCHES, seed=seed or 0, together=together
-    )
-
-
 def _check_choice(records: list[Path] | None, agent: str | None, unused: dict[str, Any]) -> None:
-    """Check that there are records or an agent, and no options of the other.
-
-    Raises:
-        UserError: Both or neither are given, or an option does not go with what is given.
-    """
+    """Check that there are records or an agent, and no options of the other."""
     if bool(records) == (agent is not None):
         both = "records and --agent are both given" if records else "there are no episodes"
         raise UserError(f"{both}: name record files, or an agent that plays with --agent", exit_code=2)
@@ -131,21 +109,6 @@ def _check_choice(records: list[Path] | None, agent: str | None, unused: dict[st
         if value is not None and value != []:
             other = "--agent" if agent is None else "records"
             raise UserError(f"{option} goes only with {other}", exit_code=2)
-
-
-def _check_track(track: str) -> None:
-    """Refuse a track that does not exist.
-
-    Raises:
-        UserError: It is one.
-    """
-    from wildscav.terminal.suggestions import did_you_mean
-    from wildscav_engine.tracks import TRACKS
-
-    if track not in TRACKS:
-        raise UserError(
-            f"--track is {track!r}{did_you_mean(track, TRACKS)}, must be one of {', '.join(TRACKS)}", 2
-        )
 
 
 def _write(

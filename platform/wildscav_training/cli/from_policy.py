@@ -15,12 +15,8 @@ def policy_files(
     """Return the files of a submission that plays a trained policy, by name.
 
     Args:
-        model: The policy's file.
-        name: Name of the submission.
         track: The track that the policy was trained for; not needed if the options name a preset.
         options: Options of the environment, each as NAME=VALUE.
-        choose: How it selects actions, one of ``Choose``.
-        activation: The activation after each layer but the last, for an npz file.
 
     Raises:
         UserError: The policy cannot be read, or does not fit the environment.
@@ -36,11 +32,7 @@ def policy_files(
 
 
 def read_option(text: str, option: str = "--option") -> tuple[str, Any]:
-    """Return the name and the value of NAME=VALUE; the value is JSON, or a word.
-
-    Raises:
-        UserError: It is something else.
-    """
+    """Return the name and the value of NAME=VALUE, which is JSON or a word, or raise a UserError."""
     name, equals, value = text.partition("=")
     if not equals or not name:
         example = "frames_per_action=15" if option == "--option" else "entropy=0.01"

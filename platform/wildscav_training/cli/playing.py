@@ -26,11 +26,7 @@ def baselines_of(track: str) -> list[str]:
 
 
 def players_of(tracks: Sequence[str], names: Iterable[str]) -> "dict[str, SeatController]":
-    """Return agents by their names.
-
-    Raises:
-        UserError: There is no such agent, or it plays none of the tracks.
-    """
+    """Return agents by their names; a UserError if there is none, or it plays none of the tracks."""
     from wildscav_training.opponents import named_agent
 
     players = {name: named_agent(name) for name in names}

@@ -9,7 +9,7 @@ import typer
 
 from wildscav.cli.shared_options import AsJson, named_in
 from wildscav.errors import UserError
-from wildscav_training.cli.level_option import level_names
+from wildscav_training.cli.track_and_level import known_track, level_names
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -118,7 +118,10 @@ def train(
         )
     first = _settings(preset, track, options, changes, curriculum, steps, seed)
     first = _opposed(first, opponents, opponent_seats, easy_first=easy_first)
-    first = _started(first, start_from)
+    if start_from is not None:
+        from wildscav_training.learning.start import read_start
+
+        first = replace(first, start=read_start(start_from))
     runs = [replace(first, seed=each) for each in range(seed, seed + seeds)]
     _check_folders(out, submission, resume=resume)
     results = _train_all(runs, out, episodes, min(workers, seeds), resume=resume)
@@ -132,11 +135,7 @@ def train(
 
 
 def _environment(level: str | None, map_number: int | None, option: list[str] | None) -> dict[str, Any]:
-    """Return the options of the environment that were given.
-
-    Raises:
-        UserError: They contradict each other, or cannot be read.
-    """
+    """Return the options of the environment that were given."""
     from wildscav_training.cli.from_policy import read_option
 
     given = dict(map(read_option, option or []))
@@ -157,21 +156,13 @@ def _settings(
     steps: int,
     seed: int,
 ) -> "TrainingSettings":
-    """Return the settings of a run.
-
-    Raises:
-        UserError: One is wrong.
-    """
-    from wildscav.terminal.suggestions import did_you_mean
+    """Return the settings of a run."""
     from wildscav_engine.envs.batched import multi_agent_config
     from wildscav_engine.tracks import TRACKS
     from wildscav_training.cli.from_policy import read_option
     from wildscav_training.learning.settings import TrainingSettings, changed, preset_settings
 
-    if track not in TRACKS:
-        raise UserError(
-            f"--track is {track!r}{did_you_mean(track, TRACKS)}, must be one of {', '.join(TRACKS)}", 2
-        )
+    known_track(track)
     hyperparameters, all_options = preset_settings(preset, track, options)
     hyperparameters = changed(hyperparameters, dict(read_option(text, "--set") for text in changes or []))
     try:
@@ -187,11 +178,7 @@ def _settings(
 def _opposed(
     settings: "TrainingSettings", names: str | None, seats: int | None, *, easy_first: bool
 ) -> "TrainingSettings":
-    """Return the settings of a run with its opponents.
-
-    Raises:
-        UserError: They are wrong.
-    """
+    """Return the settings of a run with its opponents."""
     from wildscav_training.learning.opposition import read_opposition
 
     if names is None:
@@ -204,23 +191,8 @@ def _opposed(
     return replace(settings, opposition=found)
 
 
-def _started(settings: "TrainingSettings", path: Path | None) -> "TrainingSettings":
-    """Return the settings of a run that starts from weights, if a file is given.
-
-    Raises:
-        UserError: It is not one of weights.
-    """
-    from wildscav_training.learning.start import read_start
-
-    return settings if path is None else replace(settings, start=read_start(path))
-
-
 def _stages(text: str) -> tuple[float, ...]:
-    """Return the start ranges of a curriculum, m.
-
-    Raises:
-        UserError: They are not numbers from 0 to 2000 that rise.
-    """
+    """Return the start ranges of a curriculum, m."""
     try:
         stages = tuple(float(part) for part in text.split(","))
     except ValueError:
@@ -234,11 +206,7 @@ def _stages(text: str) -> tuple[float, ...]:
 
 
 def _check_folders(out: Path, submission: Path | None, *, resume: bool) -> None:
-    """Refuse folders that are in use before anything is trained.
-
-    Raises:
-        UserError: One is not empty.
-    """
+    """Refuse folders that are in use before anything is trained."""
     for name, path in (("--out", None if resume else out), ("--submission", submission)):
         if path is not None and path.exists() and (not path.is_dir() or any(path.iterdir())):
             hint = ", or continue with --resume" if name == "--out" and path.is_dir() else ""

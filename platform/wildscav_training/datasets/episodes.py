@@ -37,12 +37,7 @@ class Spaces(NamedTuple):
 
 
 def spaces_of(config: EnvConfig, *, together: bool) -> Spaces:
-    """Return the spaces of episodes.
-
-    Args:
-        config: The environment whose observations and actions they have.
-        together: Whether the learners of a match share an episode.
-    """
+    """Return the spaces of episodes, which the learners of a match share if they are together."""
     spaces = Spaces(observation_space(config), played_space(config))
     if not together:
         return spaces

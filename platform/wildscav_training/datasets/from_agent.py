@@ -40,11 +40,7 @@ class PlayedEpisodes:
         Args:
             agent: The folder of a submission, the name of a baseline, "oracle" or "straight". Its code runs
                 with all rights of this process.
-            track: The track.
-            options: Options of the environment.
-            matches: The number of matches.
             seed: Of the first match; the others count on.
-            together: Whether the learners of a match share an episode.
 
         Raises:
             UserError: There is no such agent, it does not play the track, or an option is wrong.
@@ -60,11 +56,7 @@ class PlayedEpisodes:
         self.spaces = spaces_of(self.config, together=together)
 
     def __iter__(self) -> Iterator[list[Episode]]:
-        """Yield the episodes of each match in turn.
-
-        Raises:
-            AgentError: The agent's code failed.
-        """
+        """Yield the episodes of each match in turn, or raise an AgentError if the agent's code failed."""
         for number in range(self.count):
             seed = self.seed + number
             about = {"agent": self._controller.name, "env_seed": seed}

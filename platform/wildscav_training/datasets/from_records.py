@@ -41,11 +41,9 @@ class RecordedEpisodes:
         """Read the first record, which decides about the spaces.
 
         Args:
-            records: The files.
             options: Options of the environment, some of ``OPTIONS``.
             seats: The seats to take; none for all that submissions fill.
             names: The display names of the agents to take; none for all.
-            together: Whether the seats of a match share an episode.
 
         Raises:
             UserError: It cannot be read, an option is wrong, or there is no such seat.
@@ -78,11 +76,7 @@ class RecordedEpisodes:
             yield [_named(episode, record.names) for episode in episodes]
 
     def _config(self, path: Path, record: Record) -> EnvConfig:
-        """Return an environment whose learners observe what the chosen seats of a record did.
-
-        Raises:
-            UserError: An option is wrong, or the record has no such seat.
-        """
+        """Return an environment whose learners observe what the chosen seats of a record did."""
         spec, seats = record.spec, self._chosen(path, record)
         order = seats + [seat for seat in range(len(spec.seats)) if seat not in seats]
         given = {name: getattr(spec, name) for name in ("map", "rules", "supplies", "supply_goal", "zone")}
@@ -98,11 +92,7 @@ class RecordedEpisodes:
             raise UserError(f"the options of the environment: {error}", exit_code=2) from None
 
     def _chosen(self, path: Path, record: Record) -> list[int]:
-        """Return the seats of a record to watch, in ascending order.
-
-        Raises:
-            UserError: There is none.
-        """
+        """Return the seats of a record to watch, in ascending order."""
         filled = [seat for seat, entry in enumerate(record.spec.seats) if entry == SUBMISSION]
         seats = sorted(set(self._seats)) if self._seats else filled
         if wrong := [seat for seat in seats if seat >= len(record.names)]:
@@ -116,11 +106,7 @@ class RecordedEpisodes:
         return seats
 
     def _check_kind(self, path: Path, spec: MatchSpec, spaces: Spaces) -> None:
-        """Compare a record with the first.
-
-        Raises:
-            UserError: Its episodes cannot be in the same data set.
-        """
+        """Compare a record with the first."""
         first = self._first.spec
         for name in SAME:
             here, there = getattr(spec, name), getattr(first, name)
@@ -137,11 +123,7 @@ class RecordedEpisodes:
             )
 
     def _watched(self, path: Path, record: Record, config: EnvConfig) -> Watcher:
-        """Play a record again, and return who has watched it.
-
-        Raises:
-            UserError: It does not hold, or was played with another engine.
-        """
+        """Play a record again, and return who has watched it."""
         _check_versions(path, record)
         try:
             batch = Batch([record.spec], [map_of(record.spec.map)])
@@ -161,11 +143,7 @@ class RecordedEpisodes:
 
 
 def _read(path: Path) -> Record:
-    """Read a record.
-
-    Raises:
-        UserError: It cannot be read.
-    """
+    """Read a record."""
     try:
         return read_record(path)
     except RecordError as error:
@@ -173,11 +151,7 @@ def _read(path: Path) -> Record:
 
 
 def _check_versions(path: Path, record: Record) -> None:
-    """Refuse a record of an engine whose matches or maps are others.
-
-    Raises:
-        UserError: It is one.
-    """
+    """Refuse a record of an engine whose matches or maps are others."""
     for what, then, now in (
         ("simulation", record.simulation_version, SIMULATION_VERSION),
         ("generator", record.generator_version, GENERATOR_VERSION),

@@ -33,11 +33,7 @@ class Written(NamedTuple):
 
 
 def check_id(dataset: str) -> None:
-    """Refuse the id of a data set that cannot be made.
-
-    Raises:
-        UserError: It has another form, or there is one of this name.
-    """
+    """Raise a UserError for the id of a data set that has another form, or that exists."""
     try:
         parse_dataset_id(dataset)
     except (ValueError, TypeError):  # the latter without a version
@@ -52,13 +48,7 @@ def check_id(dataset: str) -> None:
 
 
 def env_spec(track: str, options: Mapping[str, Any], spaces: Spaces) -> EnvSpec | None:
-    """Return the environment that ``recover_environment`` makes; None if none has the same observations.
-
-    Args:
-        track: The track.
-        options: Of the environment for one learner, ready for JSON.
-        spaces: Of the data set.
-    """
+    """Return the environment that ``recover_environment`` makes; None if none has the same observations."""
     # What Gymnasium returns is its registered entry itself, which must stay as it is.
     spec = deepcopy(gymnasium.spec(env_id(track, options["version"])))
     spec.kwargs = {**spec.kwargs, **options}
@@ -78,18 +68,7 @@ def write(
     spec: EnvSpec | None,
     description: str,
 ) -> Written:
-    """Write a data set, episode by episode; if that fails, nothing is left.
-
-    Args:
-        dataset: Its id.
-        episodes: The episodes.
-        spaces: Of their observations and actions.
-        spec: The environment that belongs to it, if there is one.
-        description: What they are, for readers.
-
-    Raises:
-        UserError: Its folder cannot be written.
-    """
+    """Write a data set episode by episode, or leave nothing and raise a UserError."""
     folder = Path(get_dataset_path(dataset))
     totals = _Totals()
     try:

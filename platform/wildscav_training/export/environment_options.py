@@ -1,5 +1,6 @@
 """The environment that a model was trained in: its options, checked against the model's shapes."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,8 +16,6 @@ def policy_tables(trained: TrainedModel, track: str, options: Mapping[str, Any])
     """Return the environment that a model was trained in, and the meaning of the model's outputs.
 
     Args:
-        trained: The model.
-        track: The track that it was trained for.
         options: Options of the environment. ``flat``, ``action_mode`` and ``version`` are inferred from the
             model if they are not given.
 
@@ -97,11 +96,7 @@ def _modes_error(trained: TrainedModel, track: str, modes: tuple[str, ...], fitt
 
 
 def _stack(trained: TrainedModel, description: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Return how many observations the model takes at once, and how they are stacked.
-
-    Raises:
-        UserError: The model's inputs do not fit the environment.
-    """
+    """Return how many observations the model takes at once, and how they are stacked."""
     shapes, wanted = _shapes(description), trained.inputs
     if isinstance(wanted, Mapping) and (missing := sorted(set(wanted) - set(shapes))):
         raise UserError(
@@ -117,7 +112,7 @@ def _stack(trained: TrainedModel, description: Mapping[str, Any]) -> dict[str, A
     parts = ", ".join(f"{name} {list(shape)}" for name, shape in shapes.items())
     raise UserError(
         f"{trained.source} takes {_shown(wanted)}; the environment with these options returns {parts}, "
-        f"{sum(_count(shape) for shape in shapes.values())} numbers: give the options used in training, "
+        f"{sum(math.prod(shape) for shape in shapes.values())} numbers: give the options used in training, "
         'such as --option \'sensors={"depth": {"width": 10, "height": 10}}\'',
         exit_code=2,
     )
@@ -132,7 +127,7 @@ def _stacks(trained: TrainedModel, description: Mapping[str, Any]) -> set[tuple[
     shapes, wanted = _shapes(description), trained.inputs
     if isinstance(wanted, Mapping):
         return {_ratio(shape, shapes[name]) if name in shapes else None for name, shape in wanted.items()}
-    return {_ratio(wanted, (sum(_count(shape) for shape in shapes.values()),))}
+    return {_ratio(wanted, (sum(math.prod(shape) for shape in shapes.values()),))}
 
 
 def _ratio(wanted: Shape, single: Shape) -> tuple[int, str] | None:
@@ -147,14 +142,7 @@ def _ratio(wanted: Shape, single: Shape) -> tuple[int, str] | None:
     return None
 
 
-def _count(shape: Shape) -> int:
-    numbers = 1
-    for length in shape:
-        numbers *= length
-    return numbers
-
-
 def _shown(wanted: Mapping[str, Shape] | Shape) -> str:
     if isinstance(wanted, Mapping):
         return ", ".join(f"{name} {list(shape)}" for name, shape in wanted.items())
-    return f"{_count(wanted)} numbers" if len(wanted) == 1 else f"an array {list(wanted)}"
+    return f"{math.prod(wanted)} numbers" if len(wanted) == 1 else f"an array {list(wanted)}"

@@ -103,14 +103,7 @@ def _read_onnx(path: Path) -> TrainedModel:
 def submission_files(
     trained: TrainedModel, tables: Mapping[str, Any], name: str, choose: Choose
 ) -> dict[str, bytes]:
-    """Return the files of a submission: their contents by name.
-
-    Args:
-        trained: The model.
-        tables: What ``policy_tables`` returned.
-        name: Name of the submission.
-        choose: How it selects actions from the network's outputs.
-    """
+    """Return the files of a submission, from what ``policy_tables`` returned: their contents by name."""
     policy = {"choose": choose.value, "network": tables["network"], "environment": tables["environment"]}
     template = files("wildscav_training.export") / "template"
     texts = {file: (template / file).read_text("utf-8") for file in TEMPLATE}

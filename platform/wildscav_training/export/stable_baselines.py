@@ -89,11 +89,7 @@ def _trained(path: Path, policy: Any) -> TrainedModel:
 
 
 def _parts(policy: Any) -> tuple[list[Any], str, list[float] | None]:
-    """Return the modules of a policy in order, the meaning of their outputs, and standard deviations if any.
-
-    Raises:
-        UserError: Policies of this class cannot be exported.
-    """
+    """Return the modules of a policy in order, the meaning of their outputs, and deviations if any."""
     numbers = not _sizes(policy.action_space)
     if hasattr(policy, "mlp_extractor"):  # PPO, A2C
         modules = [policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net]
@@ -111,11 +107,7 @@ def _parts(policy: Any) -> tuple[list[Any], str, list[float] | None]:
 
 
 def _layers(modules: list[Any]) -> tuple[list[Any], list[Any], list[str]]:
-    """Return the weights, biases and activations of a sequence of modules.
-
-    Raises:
-        NotLayersError: They contain something else than fully connected layers.
-    """
+    """Return the weights, biases and activations of a sequence of modules."""
     weights: list[Any] = []
     biases: list[Any] = []
     activations: list[str] = []
@@ -188,11 +180,7 @@ def _sizes(space: Any) -> Shape:
 
 
 def _onnx(policy: Any) -> bytes:
-    """Return a policy as ONNX: from observations, as the environment returns them, to its outputs.
-
-    Raises:
-        UserError: The package onnx is not installed, or the policy cannot be written.
-    """
+    """Return a policy as ONNX: from observations, as the environment returns them, to its outputs."""
     import torch
 
     spaces = _spaces(policy)

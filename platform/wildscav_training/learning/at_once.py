@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
 LOOK_EVERY = 0.2  # s between two looks for figures
 
-_figures: Any = None  # in a process that trains: where its figures go
-
 
 def train_at_once(
     runs: Sequence[tuple[TrainingSettings, Path]],
@@ -28,11 +26,7 @@ def train_at_once(
     """Train several policies, some of them at the same time, and return the results in order.
 
     Args:
-        runs: The settings and the folder of each run.
         report: Called with the place of a run in ``runs`` and its figures after each of its iterations.
-        processes: The number of runs at the same time.
-        resume: Whether to continue the runs in the folders, where there are any.
-        episodes: Matches for each score.
 
     Raises:
         UserError: A folder or the settings cannot be used.
@@ -40,10 +34,9 @@ def train_at_once(
     context = multiprocessing.get_context("spawn")  # never fork after a kernel ran
     with context.Manager() as manager:
         figures = manager.Queue()
-        executor = ProcessPoolExecutor(processes, context, initializer=_begin, initargs=(figures,))
-        with executor:
+        with ProcessPoolExecutor(processes, context) as executor:
             futures = [
-                executor.submit(_train, place, settings, folder, resume=resume, episodes=episodes)
+                executor.submit(_train, figures, place, settings, folder, resume=resume, episodes=episodes)
                 for place, (settings, folder) in enumerate(runs)
             ]
             try:
@@ -68,15 +61,12 @@ def _until_done(futures: "list[Future[Result]]", figures: Any) -> Iterator[tuple
                 break
 
 
-def _begin(figures: Any) -> None:
-    global _figures  # noqa: PLW0603 - a process has one place for the figures of all its runs
-    _figures = figures
-
-
-def _train(place: int, settings: TrainingSettings, folder: Path, *, resume: bool, episodes: int) -> "Result":
+def _train(
+    figures: Any, place: int, settings: TrainingSettings, folder: Path, *, resume: bool, episodes: int
+) -> "Result":
     from wildscav_training.learning.run import train
 
     def report(found: Mapping[str, float]) -> None:
-        _figures.put((place, dict(found)))
+        figures.put((place, dict(found)))
 
     return train(settings, folder, report, resume=resume, episodes=episodes)

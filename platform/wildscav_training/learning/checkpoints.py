@@ -34,11 +34,7 @@ class RunFolder:
         return (self.path / CHECKPOINT).is_file()
 
     def begin(self, settings: TrainingSettings, *, resume: bool) -> None:
-        """Make the folder of a new run, or check that the one there is of the same settings.
-
-        Raises:
-            UserError: The folder is not empty, or has a run with other settings.
-        """
+        """Make a new run's folder; a UserError if one has files, or is of a run with other settings."""
         if self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
             if not resume:
                 raise UserError(
@@ -52,11 +48,7 @@ class RunFolder:
         write_json(self.path / SETTINGS, settings.as_json())
 
     def _check(self, now: Mapping[str, Any]) -> None:
-        """Compare settings with those of the run in the folder.
-
-        Raises:
-            UserError: They differ, or there is no run.
-        """
+        """Compare settings with those of the run in the folder."""
         then = read_json(self.path / SETTINGS)
         for name, before, after in _differences("", then, json.loads(json.dumps(now))):
             raise UserError(
@@ -85,11 +77,7 @@ class RunFolder:
             torch.save(dict(state), part)
 
     def load(self) -> dict[str, Any]:
-        """Return the checkpoint. It holds tensors and plain values, and no code is run to read it.
-
-        Raises:
-            UserError: It is damaged.
-        """
+        """Return the checkpoint, or raise a UserError if it is damaged. No code is run to read it."""
         import torch
 
         path = self.path / CHECKPOINT
@@ -109,11 +97,7 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """Read a JSON object that a run wrote.
-
-    Raises:
-        UserError: There is none.
-    """
+    """Read a JSON object that a run wrote, or raise a UserError if there is none."""
     try:
         content = json.loads(path.read_text("utf-8"))
     except OSError:

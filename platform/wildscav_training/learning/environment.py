@@ -18,8 +18,6 @@ def make_env(
     """Return the environment of a run.
 
     Args:
-        settings: The run.
-        matches: Played at the same time.
         start_range: The farthest start from the target, m; None: any.
         more: Further options. Without ``opponents`` among them, a run with opposition meets its fixed part.
 

@@ -1,6 +1,6 @@
 """How good a policy is: the mean metrics of episodes that it has not met in training."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,24 +24,15 @@ class Score(NamedTuple):
 
 
 def evaluate(policy: Any, settings: TrainingSettings, episodes: int) -> list[Score]:
-    """Play a policy on both splits, sampled and always the likeliest, without curriculum.
-
-    Args:
-        policy: From rows (N, n) to scores (N, C).
-        settings: The run that it comes from.
-        episodes: Matches for each score.
-    """
+    """Play a policy, from rows (N, n) to scores (N, C), on both splits, sampled and always the likeliest."""
     return [
-        Score(split, choose, episodes, _means(policy, settings, episodes, split, choose))
+        Score(split, choose, episodes, _means(*play_episodes(policy, settings, episodes, split, choose)))
         for split in ("train", "test")
         for choose in ("sampled", "deterministic")
     ]
 
 
-def _means(
-    policy: Any, settings: TrainingSettings, episodes: int, split: str, choose: str
-) -> dict[str, float]:
-    names, played = play_episodes(policy, settings, episodes, split, choose)
+def _means(names: Sequence[str], played: NDArray[np.float64]) -> dict[str, float]:
     return dict(zip(names, played.mean(axis=0).tolist(), strict=True))
 
 
@@ -55,7 +46,6 @@ def play_episodes(
 
     Args:
         policy: From rows (N, n) to scores (N, C).
-        settings: The run that it comes from.
         episodes: E.
         split: "train" or "test".
         choose: "sampled" or "deterministic".

@@ -58,10 +58,7 @@ def read_opposition(
 
     Args:
         text: Their names, separated by commas.
-        track: The track.
-        options: Options of the environment.
         seats: How many seats they fill; None: those that the track's own opponents would fill.
-        easy_first: Whether robots begin with their easy level.
 
     Raises:
         UserError: There is no such opponent, or there is no seat for it.
@@ -81,11 +78,7 @@ def read_opposition(
 
 
 def _check(name: str, track: str) -> None:
-    """Check that there is an opponent of a name, and that it plays a track.
-
-    Raises:
-        UserError: It does not.
-    """
+    """Check that there is an opponent of a name, and that it plays a track."""
     if name == SELF or name in ROBOTS:
         return
     if not is_baseline(name) and not Path(name).is_dir():

@@ -43,14 +43,7 @@ class Rollout(NamedTuple):
 
 
 def make_network(inputs: int, hidden: Sequence[int], outputs: int, gain: float) -> Any:
-    """Return fully connected layers with tanh between them.
-
-    Args:
-        inputs: Numbers in.
-        hidden: Width of each hidden layer.
-        outputs: Numbers out.
-        gain: Scale of the last layer's first weights: small for a policy, so that it first tries everything.
-    """
+    """Return layers with tanh between them; a small gain of the last one lets a policy try everything."""
     widths = [inputs, *hidden, outputs]
     modules: list[Any] = []
     for layer, (before, after) in enumerate(pairwise(widths)):
@@ -110,7 +103,6 @@ def advantages(played: Rollout, next_value: Tensor, gamma: float, gae_lambda: fl
     Schulman et al., "High-Dimensional Continuous Control Using Generalized Advantage Estimation", 2016.
 
     Args:
-        played: The rollout.
         next_value: (N,) the value of the observation after its last step.
         gamma: Of the reward one step later.
         gae_lambda: From 0 (the value after one step is believed) to 1 (only rewards are).

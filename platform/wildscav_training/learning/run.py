@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -34,18 +35,7 @@ class Result(NamedTuple):
 
 
 def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: bool, episodes: int) -> Result:
-    """Train a policy, measure it, and write both into a folder.
-
-    Args:
-        settings: The run.
-        folder: Its folder, empty or new; with ``resume`` one with a run of the same settings.
-        report: Called after every iteration.
-        resume: Whether to continue the run in the folder, if there is one.
-        episodes: Matches for each score.
-
-    Raises:
-        UserError: The folder or the settings cannot be used.
-    """
+    """Train and measure a policy in a folder, new or with a run of these settings, or raise a UserError."""
     # More threads only slow networks of this size down, and bits would depend on their number.
     torch.set_num_threads(1)
     place = RunFolder(folder)
@@ -77,37 +67,21 @@ def _learn(learner: PPO, place: RunFolder, report: Report, spent: tuple[float, f
         return time.process_time() - cpu_start, time.monotonic() - wall_start
 
     saved = time.monotonic()
-    with _TensorBoard(place.path, learner.steps) as board:
+    # Figures after the checkpoint are hidden, since they come again.
+    board = SummaryWriter(str(place.path / "tensorboard"), purge_step=learner.steps + 1)
+    with closing(board):
         while learner.rollouts < learner.total:
             figures = learner.iterate()
             figures = {"steps": learner.steps, "cpu_seconds": now()[0], **figures}
             place.append_figures(figures)
-            board.add(figures)
+            for name, value in figures.items():
+                board.add_scalar(name, value, learner.steps)
             report(figures)
             is_last = learner.rollouts == learner.total
             if is_last or time.monotonic() - saved > EVERY:
                 place.save({"learner": learner.state(), "spent": list(now())})
                 saved = time.monotonic()
     return now()
-
-
-class _TensorBoard:
-    """Writes figures for TensorBoard, into the folder of the run."""
-
-    def __init__(self, folder: Path, steps: int) -> None:
-        self._folder, self._steps = folder, steps
-
-    def __enter__(self) -> "_TensorBoard":
-        # Figures after the checkpoint are hidden, since they come again.
-        self._writer = SummaryWriter(str(self._folder / "tensorboard"), purge_step=self._steps + 1)
-        return self
-
-    def add(self, figures: Mapping[str, float]) -> None:
-        for name, value in figures.items():
-            self._writer.add_scalar(name, value, int(figures["steps"]))
-
-    def __exit__(self, *_: object) -> None:
-        self._writer.close()
 
 
 def _save_layers(path: Path, policy: Any) -> None:

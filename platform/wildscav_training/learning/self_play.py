@@ -37,14 +37,7 @@ class Copy:
     """
 
     def __init__(self, network: Any, draw: Draw, shape: Sequence[int], seed: int) -> None:
-        """Copy a policy.
-
-        Args:
-            network: The policy.
-            draw: Draws actions by scores.
-            shape: Of one action.
-            seed: Of its random numbers.
-        """
+        """Copy a policy."""
         self.network = deepcopy(network).requires_grad_(requires_grad=False)
         self.random = torch.Generator().manual_seed(seed)
         self._draw, self._shape = draw, tuple(shape)
@@ -99,13 +92,7 @@ class SelfPlay:
         return Copy(policy, self._draw, self._shape, self._seed * APART + number)
 
     def after_rollout(self, rollouts: int, total: int, policy: Any) -> dict[str, float]:
-        """Let a copy of the policy or the next level of a robot join; return the win rates.
-
-        Args:
-            rollouts: Played so far.
-            total: Rollouts of the run.
-            policy: The policy as it is now.
-        """
+        """Let a copy of the policy or the next level of a robot join; return the win rates."""
         if self._given is None:
             return {}
         if self._given.plays_itself and rollouts % -(-total // COPIES) == 0:
@@ -132,12 +119,7 @@ class SelfPlay:
         }
 
     def restore(self, state: Mapping[str, Any], policy: Any) -> None:
-        """Continue from what ``state`` returned. Environments must be made anew afterwards.
-
-        Args:
-            state: The state.
-            policy: A network of the same layers.
-        """
+        """Continue from what ``state`` returned. Environments must be made anew afterwards."""
         if self._given is None:
             return
         sources: dict[str, Any] = dict(self._submissions)

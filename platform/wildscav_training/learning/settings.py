@@ -34,12 +34,7 @@ class Hyperparameters:
     layers: tuple[int, ...] = (64, 64)  # width of each hidden layer, of the policy and of the value alike
 
     def rollouts(self, steps: int, learners: int) -> int:
-        """Return how many rollouts a number of steps needs.
-
-        Args:
-            steps: Steps of all learners together.
-            learners: Learners in a match.
-        """
+        """Return how many rollouts a number of steps needs."""
         return max(1, -(-steps // (self.matches * self.rollout * learners)))
 
 
@@ -106,12 +101,7 @@ class TrainingSettings:
 def preset_settings(
     preset: str, track: str, options: Mapping[str, Any]
 ) -> tuple[Hyperparameters, dict[str, Any]]:
-    """Return the hyperparameters of a preset, and its environment with some options changed.
-
-    Args:
-        preset: A name in ``PRESETS``.
-        track: The track.
-        options: Options of the environment that differ from the preset's.
+    """Return the hyperparameters of a preset, and its environment with the given options changed.
 
     Raises:
         UserError: There is no such preset, or it has no environment of this track.
@@ -138,11 +128,7 @@ def preset_settings(
 
 
 def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:
-    """Return hyperparameters with some changed.
-
-    Raises:
-        UserError: There is none of a name, or the value is wrong.
-    """
+    """Return hyperparameters with some changed; a UserError if a name is unknown or a value is wrong."""
     known = asdict(hyperparameters)
     new_names = {old: new for new, old in OLD_NAMES.items()}
     changes = {new_names.get(name, name): value for name, value in changes.items()}
@@ -159,11 +145,7 @@ def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyp
 
 
 def _check(name: str, value: object, default: object) -> None:
-    """Check the value of a hyperparameter by the kind of its default.
-
-    Raises:
-        UserError: It has another kind, or is negative or not finite.
-    """
+    """Check the value of a hyperparameter by the kind of its default."""
     if isinstance(default, bool):
         allowed, is_good = "true or false", isinstance(value, bool)
     elif isinstance(default, tuple):

@@ -27,11 +27,7 @@ class Start:
         return self.digest
 
     def layers(self) -> Layers:
-        """Return the weights and biases of its layers.
-
-        Raises:
-            UserError: The file is not one of layers.
-        """
+        """Return the weights and biases of its layers, or raise a UserError if the file has none."""
         try:
             return read_layers(self.path)
         except PolicyError as error:
@@ -39,11 +35,7 @@ class Start:
 
 
 def read_start(path: Path) -> Start:
-    """Return the start that a command names.
-
-    Raises:
-        UserError: There is no such file, or it is not one of layers.
-    """
+    """Return the start that a command names, or raise a UserError if the file is missing or not of layers."""
     try:
         digest = blake2b(path.read_bytes(), digest_size=16).hexdigest()
     except OSError as error:
@@ -54,15 +46,7 @@ def read_start(path: Path) -> Start:
 
 
 def put_layers(layers: Layers, network: Any) -> None:
-    """Copy weights and biases into a network of PyTorch.
-
-    Args:
-        layers: What is copied.
-        network: Modules one after the other, of which those with a weight are its layers.
-
-    Raises:
-        UserError: The network has other layers.
-    """
+    """Copy layers into the modules of a PyTorch network that have weights; a UserError if it has others."""
     import torch
 
     linear = [module for module in network if hasattr(module, "weight")]

@@ -16,12 +16,6 @@ OF_TRAINING = ("rewards", "threads", "random_maps", "split", "start_range")
 def policy_submission(run: Path, settings: TrainingSettings, name: str, choose: Choose) -> dict[str, bytes]:
     """Return the files of a submission that plays the policy of a run, by name.
 
-    Args:
-        run: The folder of the run.
-        settings: Its settings.
-        name: Name of the submission.
-        choose: How it selects actions.
-
     Raises:
         UserError: The weights are missing, or do not fit the settings.
     """

@@ -10,8 +10,7 @@ A submission's code runs with all rights of this process: use only submissions t
 from pathlib import Path
 
 from wildscav_engine.envs import SeatController
-from wildscav_training.opponents.oracle import Oracle
-from wildscav_training.opponents.straight import Straight
+from wildscav_training.opponents.oracle import Oracle, Straight
 from wildscav_training.opponents.submission import SubmissionOpponent, submission
 
 __all__ = ["Oracle", "Straight", "SubmissionOpponent", "named_agent", "submission"]

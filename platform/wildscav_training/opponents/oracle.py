@@ -1,4 +1,4 @@
-"""An agent that knows the map and takes the shortest path to the target, to measure others by."""
+"""Agents to measure others by: one takes the shortest path to the target, one walks straight to it."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -25,11 +25,7 @@ STUCK = 10  # steps on the spot, after which it tries something else
 
 
 def check_has_target(name: str, track: str) -> None:
-    """Check that a track has a target, for an agent that needs one.
-
-    Raises:
-        ValueError: It has none.
-    """
+    """Raise a ValueError for a track without a target, for an agent that needs one."""
     if track not in TARGET_TRACKS:
         raise ValueError(f"{name} plays {' and '.join(TARGET_TRACKS)}, not {track}")
 
@@ -47,19 +43,11 @@ class Oracle(SeatController):
         self._walkers: dict[tuple[int, int], PathWalker] = {}  # by match and seat
 
     def check(self, track: str) -> None:
-        """Check that a track has a target. See ``SeatController.check``.
-
-        Raises:
-            ValueError: It has none.
-        """
+        """Raise a ValueError for a track without a target. See ``SeatController.check``."""
         check_has_target("the oracle", track)
 
     def begin(self, batch: "Batch", matches: Indices, seats: Indices) -> None:
-        """Search for the path of each seat. See ``SeatController.begin``.
-
-        Raises:
-            ValueError: The matches have no target.
-        """
+        """Search for each seat's path; a ValueError without a target. See ``SeatController.begin``."""
         self.check(batch.track.name)
         for match, seat in zip(matches.tolist(), seats.tolist(), strict=True):
             start, target = batch.state.agents.position[match, seat], batch.state.matches.target[match]
@@ -75,6 +63,27 @@ class Oracle(SeatController):
         return rows
 
 
+class Straight(SeatController):
+    """Walks straight to the target; it knows the target of a capture, too."""
+
+    name = "straight"
+
+    def check(self, track: str) -> None:
+        """Check that a track has a target. See ``SeatController.check``."""
+        check_has_target(self.name, track)
+
+    def begin(self, batch: "Batch", matches: Indices, seats: Indices) -> None:
+        """Do nothing: it has no memory."""
+
+    def act(self, batch: "Batch", matches: Indices, seats: Indices) -> NDArray[np.float32]:
+        """Return (N, FIELDS) rows of actions. See ``SeatController.act``."""
+        rows = np.zeros((len(seats), FIELDS), np.float32)
+        offsets = batch.state.matches.target[matches] - batch.state.agents.position[matches, seats]
+        rows[:, Field.WALK_DIRECTION] = np.degrees(np.arctan2(offsets[:, 0], offsets[:, 2])) % 360.0
+        rows[:, Field.WALK_SPEED] = MAX_WALK_SPEED
+        return rows
+
+
 class PathWalker:
     """One body on its path.
 
@@ -84,13 +93,7 @@ class PathWalker:
     """
 
     def __init__(self, graph: NavGraph, start: NDArray[np.float64], target: NDArray[np.float64]) -> None:
-        """Search for the path.
-
-        Args:
-            graph: Of the map.
-            start: (3,) m, soles.
-            target: (3,) m.
-        """
+        """Search for the path from a start to a target, (3,) m, soles."""
         self.graph, self.target = graph, target.copy()
         self.path = find_path(graph, start, target)  # None if there is none
         self._follow(self.path)
@@ -110,8 +113,6 @@ class PathWalker:
         Args:
             row: (FIELDS,) zeros; receives the action. It stays as it is if there is no way left to go.
             position: (3,) m, where the body is.
-            on_ground: Whether it stands.
-            seconds: The length of a step.
         """
         self._get_unstuck(position)
         while self.leg < len(self.legs):
@@ -148,13 +149,7 @@ class PathWalker:
 
 
 def without_edge(graph: NavGraph, start: Place, end: Place) -> NavGraph:
-    """Return a graph without the edge between two nodes; the same where they are none, or have none.
-
-    Args:
-        graph: Of the map.
-        start: x, y, z in m, soles.
-        end: The same.
-    """
+    """Return a graph without the edge between two nodes (m, soles), or the same if there is none."""
     first, last = node_near(graph, start, leave=True), node_near(graph, end, leave=False)
     if first is None or last not in graph.nodes.edges[first]:
         return graph

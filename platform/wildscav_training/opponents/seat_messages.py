@@ -40,7 +40,6 @@ def seat_observations(
     """Return the encoded observations of some seats, without tensors.
 
     Args:
-        batch: The matches.
         matches: (N,) the index of each seat's match.
         seats: (N,) the number of each seat in its match.
         time_banks: (N,) s, what is left of the seats' time banks.
@@ -73,19 +72,7 @@ def _put_seats(
     out: NDArray[np.uint8],
     lengths: Indices,
 ) -> None:
-    """Write the observations of some seats of a batch.
-
-    Args:
-        agents: Table of the batch's ``Agents``.
-        supplies: Table of its ``Supplies``.
-        every: Table of its ``Matches``.
-        seen: Table of its ``Seen``.
-        chosen: (N,) the index of each seat's match.
-        seats: (N,) the number of each seat in its match.
-        time_banks: (N,) s, the seats' remaining time banks.
-        out: (N, BUFFER_SIZE) receives the observations.
-        lengths: (N,) receives their lengths, bytes.
-    """
+    """Write the observations of ``seats`` (N,), each in its ``chosen`` match; see ``put_observations``."""
     matches = matches_at(every)
     for index in range(seats.shape[0]):
         match = chosen[index]

@@ -5,7 +5,7 @@ import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType, TracebackType
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -38,10 +38,6 @@ class SubmissionOpponent(SeatController):
 
     def __init__(self, folder: str | Path) -> None:
         """Load a submission: its manifest and its agent's class.
-
-        Args:
-            folder: The submission's folder, or the name of a baseline, such as "hunter". Its code runs with
-                all rights of this process.
 
         Raises:
             UserError: The folder is not a submission in Python that plays by numbers, or its code cannot be
@@ -84,11 +80,7 @@ class SubmissionOpponent(SeatController):
             ) from error
 
     def check(self, track: str) -> None:
-        """Check that the submission plays a track.
-
-        Raises:
-            ValueError: It does not.
-        """
+        """Raise a ValueError if the submission does not play a track."""
         if track not in self._tracks:
             raise ValueError(
                 f"the submission {self.name} plays {', '.join(self._tracks)}, not {track}: "
@@ -96,11 +88,7 @@ class SubmissionOpponent(SeatController):
             )
 
     def begin(self, batch: "Batch", matches: Indices, seats: Indices) -> None:
-        """Begin new episodes with new agents. See ``SeatController.begin``.
-
-        Raises:
-            AgentError: An agent's code failed.
-        """
+        """Begin new episodes with new agents; an AgentError if one fails. See ``SeatController.begin``."""
         for match, seat in zip(matches.tolist(), seats.tolist(), strict=True):
             self.check(batch.specs[match].track)
             info = seat_info(batch, match, seat, self._clock)
@@ -133,11 +121,7 @@ class SubmissionOpponent(SeatController):
         return rows
 
     def _call(self, what: str, match: int, seat: int, work: Callable[..., Any], given: object) -> Any:
-        """Call the agent's code.
-
-        Raises:
-            AgentError: It failed; the message says where, and the cause is the agent's own exception.
-        """
+        """Call the agent's code."""
         try:
             return work(given)
         except AgentError:
@@ -163,11 +147,7 @@ def submission(folder: str | Path) -> SubmissionOpponent:
 
 
 def _checked_folder(given: str | Path) -> Path:
-    """Return the absolute path of a submission's folder.
-
-    Raises:
-        UserError: It is none.
-    """
+    """Return the absolute path of a submission's folder."""
     folder = baseline_folder(str(given)) if is_baseline(str(given)) else Path(given)
     if (folder / MANIFEST).is_file():
         return folder.resolve()
@@ -208,9 +188,7 @@ class OwnModules:
         self._count = len(sys.modules)
         sys.path.insert(0, self._folder)
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if len(sys.modules) != self._count:
             modules = list(sys.modules.items())
             self._own = {name: found for name, found in modules if name.partition(".")[0] in self._names}

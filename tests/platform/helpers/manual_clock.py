@@ -6,10 +6,11 @@ However busy the machine is, no seat is late unless the test says so, and every 
 import asyncio
 import threading
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tests.platform.helpers.seats import Result
+from tests.platform.helpers.seats import HandPlayed, Result, Ruling, Served, test_of
 
 from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.lockstep import LAG
@@ -67,6 +68,24 @@ def serving_by_hand(
             watchdog.cancel()
 
 
+@dataclass(frozen=True)
+class ServedByHand(Served):
+    """A server whose clock a test sets, too."""
+
+    clock: HandSetLoop
+
+    async def pass_time(self, seconds: float) -> None:
+        """Set the clock forward."""
+        await self.clock.pass_time(seconds)
+
+
+def with_server_by_hand(ruling: Ruling) -> Callable[..., None]:
+    """Make a test of a coroutine whose first argument is ``ServedByHand``; others are fixtures."""
+    return test_of(
+        lambda folder, play: serving_by_hand(folder, lambda *own: play(ServedByHand(*own))), ruling
+    )
+
+
 def _give_up(loop: HandSetLoop) -> None:
     for task in asyncio.all_tasks(loop):
         task.cancel(f"nothing happened for {HANGS:g} s")
@@ -76,3 +95,12 @@ async def has_answered(hosted: HostedMatch, seat: int, step: int) -> None:
     """Wait until the server has a seat's answer to a step."""
     while hosted.seats[seat].conduct.steps_played <= step:  # noqa: ASYNC110
         await asyncio.sleep(0)  # the loop polls for real events in between
+
+
+async def answer(seat: HandPlayed, hosted: HostedMatch, number: int, **action: float) -> int:
+    """Answer the next observation, wait until the answer has arrived, and return the observation's step."""
+    played = hosted.seats[number].conduct.steps_played
+    step = (await seat.read()).observation.step
+    await seat.act(step, **action)
+    await has_answered(hosted, number, played)
+    return step

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -102,3 +103,13 @@ def assert_equal(ours: Any, theirs: Any, name: str) -> None:
     assert ours.dtype == theirs.dtype, name
     assert np.array_equal(ours, theirs), (name, ours, theirs)
     assert ours.tobytes() == theirs.tobytes(), name  # -0.0 is not 0.0
+
+
+def write_layers(path: Path, *widths: int, value: float | None = None, **more: Any) -> Path:
+    """Write layers of these widths, from inputs to outputs, with a value in all weights or random ones."""
+    dice, arrays = np.random.default_rng(0), dict(more)
+    for layer, (before, after) in enumerate(pairwise(widths)):
+        weight = dice.normal(size=(after, before)) if value is None else np.full((after, before), value)
+        arrays |= {f"weight_{layer}": weight, f"bias_{layer}": dice.normal(size=after)}
+    np.savez(path, **arrays)
+    return path

@@ -1,10 +1,13 @@
 """Hosts matches for tests, with agents in real processes or seats played by hand."""
 
 import asyncio
+import inspect
 import os
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -55,6 +58,45 @@ def serving(
 
     precompile()  # compiling is not what is tested
     return asyncio.run(run())
+
+
+@dataclass(frozen=True)
+class Served:
+    """A server, and the address at which its seats are joined."""
+
+    server: MatchServer
+    address: str
+
+    async def host(self, spec: MatchSpec, **options: Any) -> HostedMatch:
+        """Host a match with the names of its seats made up."""
+        return await host(self.server, spec, **options)
+
+    def seated(self, hosted: HostedMatch) -> "AbstractAsyncContextManager[list[HandPlayed]]":
+        """See ``seated``."""
+        return seated(self.address, hosted)
+
+
+Ruling = Callable[..., Awaitable[None]]
+
+
+def with_server(ruling: Ruling, **options: Any) -> Callable[..., None]:
+    """Make a test of a coroutine whose first argument is ``Served``; others are fixtures."""
+    return test_of(lambda folder, play: serving(folder, lambda *own: play(Served(*own)), **options), ruling)
+
+
+def test_of(run: Callable[[Path, Ruling], None], ruling: Ruling) -> Callable[..., None]:
+    """Return the test that runs a coroutine; ``run`` calls it with its first argument."""
+    _, *others = inspect.signature(ruling).parameters.values()
+    folder = inspect.Parameter("tmp_path", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    wanted = {one.name: one for one in others}
+
+    def test(tmp_path: Path, **fixtures: Any) -> None:
+        given = fixtures | {name: tmp_path for name in wanted if name == folder.name}
+        run(tmp_path, partial(ruling, **given))
+
+    test.__name__ = ruling.__name__
+    test.__signature__ = inspect.Signature([*({folder.name: folder} | wanted).values()])  # type: ignore[attr-defined]
+    return test
 
 
 async def start_agent(
@@ -118,3 +160,14 @@ async def connected(address: str) -> AsyncIterator[HandPlayed]:
             "/wildscav.match.v1.Match/Play", response_deserializer=ServerMessage.FromString
         )
         yield HandPlayed(play())
+
+
+@asynccontextmanager
+async def seated(address: str, hosted: HostedMatch) -> AsyncIterator[list[HandPlayed]]:
+    """Take all seats of a match, each from a connection of its own."""
+    async with AsyncExitStack() as stack:
+        seats = []
+        for token in hosted.tokens.values():
+            seats.append(await stack.enter_async_context(connected(address)))
+            await seats[-1].join(token)
+        yield seats

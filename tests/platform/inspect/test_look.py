@@ -148,14 +148,8 @@ def test_a_sensor_that_may_leave_them_out_does_so_only_if_told_to(
         ([*BARE, "--position", "a,b"], "position is 'a,b', must be X,Z or X,Y,Z"),
         ([*BARE, "--position", "nan,2"], "position is 'nan,2', must be X,Z or X,Y,Z"),
         ([*BARE, "--position", "20,2"], "position is 20,2, must be within -20 to 20 m"),
-        (
-            [*BARE, "--position", "2,-90,3"],
-            "2,-90.00,3: nothing can be seen inside the ground",
-        ),
-        (
-            [*HOUSES, "--position", "-10.687,4.37,6.259"],
-            "nothing can be seen inside a wall",
-        ),
+        ([*BARE, "--position", "2,-90,3"], "2,-90.00,3: nothing can be seen inside the ground"),
+        ([*HOUSES, "--position", "-10.687,4.37,6.259"], "nothing can be seen inside a wall"),
         ([*BARE, "--yaw", 361], "yaw is 361, must be -360 to 360 degrees"),
         ([*BARE, "--pitch", "91"], "pitch is 91, must be -90 to 90 degrees"),
         ([*BARE, "--pitch", "nan"], "pitch is nan, must be -90 to 90 degrees"),

@@ -1,57 +1,22 @@
 """``wildscav replay --web``: serves a replay until it is told to stop."""
 
-import re
 import signal
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from functools import partial
 from http.client import HTTPConnection
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from tests.commands import Run, run_command
+from tests.commands import Run, run_command, running
 
-from wildscav_engine.record import write_record
-from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
-
-COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
+LINK = r"(http://\S+/)"
 END = 120  # s, far more than it takes
-
-
-@pytest.fixture(scope="module")
-def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    config = MapConfig(size=60, houses=0)
-    match = Match(
-        MatchSpec(track="navigation", map=MapSpec(config=config, seed=1), seats=("walker",), time_limit=2.0)
-    )
-    match.play_out()
-    path = tmp_path_factory.mktemp("web") / "match.wsr"
-    write_record(path, match, ["walker"])
-    return path
 
 
 @pytest.fixture
 def replay(tmp_path: Path) -> Run:
     return partial(run_command, "replay", cwd=tmp_path, columns=200)
-
-
-@contextmanager
-def served(*arguments: object) -> Iterator[tuple[str, subprocess.Popen[str]]]:
-    """The command's link, once it serves."""
-    command = [*COMMAND, "replay", *map(str, arguments), "--web"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            assert process.stdout is not None
-            found = re.search(r"http://\S+/", process.stdout.readline())
-            assert found, process.stderr and process.stderr.read()
-            yield found.group(), process
-        finally:
-            process.kill()
 
 
 def recording_at(link: str) -> bytes:
@@ -63,7 +28,7 @@ def recording_at(link: str) -> bytes:
 
 @pytest.mark.slow
 def test_a_record_is_rendered_and_served_until_ctrl_c(record: Path) -> None:
-    with served(record) as (link, process):
+    with running("replay", record, "--web", until=LINK) as (link, process):
         assert link.startswith("http://127.0.0.1:")
         assert recording_at(link).startswith(b"RRF")
         process.send_signal(signal.SIGINT)
@@ -76,7 +41,7 @@ def test_a_rendered_replay_is_served_as_it_is(record: Path, tmp_path: Path, repl
     path = tmp_path / "match.rrd"
     assert replay(record, "-o", path, "--no-images").returncode == 0
 
-    with served(path, "--host", "localhost") as (link, _):
+    with running("replay", path, "--web", "--host", "localhost", until=LINK) as (link, _):
         assert recording_at(link) == path.read_bytes()
 
 

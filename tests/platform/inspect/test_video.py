@@ -9,22 +9,8 @@ from typer.testing import CliRunner
 
 from wildscav.cli.main import app
 from wildscav.errors import UserError
-from wildscav_engine.record import write_record
-from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.map_spec import MapConfig, MapSpec
-from wildscav_engine.specs.match_spec import MatchSpec
 
 SMALL = ("--size", "160x90", "--fps", "5", "--end", "1")
-
-
-@pytest.fixture(scope="module")
-def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    place = MapSpec(config=MapConfig(size=60, houses=1, water=0.1), seed=1)
-    match = Match(MatchSpec(track="battle", map=place, seats=("fighter",) * 3, time_limit=2.0, seed=3))
-    match.play_out()
-    path = tmp_path_factory.mktemp("video") / "battle.wsr"
-    write_record(path, match, ["ann", "bob", "eve"])
-    return path
 
 
 def run(*arguments: str) -> str:

@@ -5,8 +5,6 @@ import re
 import shutil
 import signal
 import socket
-import subprocess
-import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -14,22 +12,19 @@ from urllib.request import ProxyHandler, build_opener
 
 import pytest
 from starlette.testclient import TestClient
-from tests.commands import Run, run_command
+from tests.commands import Run, run_command, running
 from tests.platform.stage.built_viewer import viewer
-from tests.recorded_matches import record_of_track
 
 from wildscav_inspect import records
 from wildscav_stage.watching.match_page import scene_of, whole_page
 
-__all__ = ["record_of_track", "viewer"]
-COMMAND = [sys.executable, "-m", "wildscav.cli.main"]
+__all__ = ["viewer"]
 END = 120  # s, far more than it takes
-Records = Callable[[str], Path]
 
 
 @pytest.fixture
-def record(record_of_track: Records, tmp_path: Path) -> Path:
-    return Path(shutil.copy(record_of_track("battle"), tmp_path / "match.wsr"))
+def record(record: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copy(record, tmp_path / "match.wsr"))
 
 
 @pytest.fixture
@@ -39,12 +34,9 @@ def run(tmp_path: Path) -> Run:
 
 def test_it_serves_the_match_until_ctrl_c(record: Path) -> None:
     """With the viewer that is built: a process has no other."""
-    command = [*COMMAND, "watch", str(record), "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        found = re.fullmatch(r"watch at (http://127\.0\.0\.1:\d+/)\n", process.stdout.readline())
-        assert found, process.stderr and process.stderr.read()
-        with build_opener(ProxyHandler({})).open(found[1]) as answer:
+    until = r"^watch at (http://127\.0\.0\.1:\d+/)\n"
+    with running("watch", record, "--no-browser", until=until) as (link, process):
+        with build_opener(ProxyHandler({})).open(link) as answer:
             page = answer.read().decode()
         process.send_signal(signal.SIGINT)
         assert process.wait(END) == 0
@@ -71,18 +63,10 @@ def test_it_serves_the_match_until_ctrl_c(record: Path) -> None:
         (["replay", "match.wsr", "--html", "--port", "80"], 2, "no other options"),
         (["replay", ".", "--html"], 2, ". is a folder"),
         (["replay", "match.wsr", "--scene", "pages", "--html"], 2, "--scene takes --season"),
-        (
-            ["replay", "none.wsr", "--scene", "pages"],
-            1,
-            "none.wsr: cannot be read: No such file or directory",
-        ),
+        (["replay", "none.wsr", "--scene", "pages"], 1, "none.wsr: cannot be read: No such file or"),
         (["replay", "match.wsr", "--scene", "match.wsr"], 1, "cannot make match.wsr: File exists"),
         (["watch", "match.wsr", "--with", "empty"], 2, "empty is a folder: name one of its records"),
-        (
-            ["watch", "match.wsr", "--with", "none.wsr"],
-            1,
-            "none.wsr: cannot be read: No such file or directory",
-        ),
+        (["watch", "match.wsr", "--with", "none.wsr"], 1, "none.wsr: cannot be read: No such file or"),
         (["watch", "https://example.org/matches/3", "--season", "https://example.org"], 2, "names one"),
         (["replay", "match.wsr", "-o", "page.html", "--view", "behind"], 2, "no other options"),
     ],

@@ -18,16 +18,6 @@ def test_a_hit_costs_20_and_both_are_told(competitor: Competitor) -> None:
     assert not competitor.seen_by(1).hit_by_enemy
 
 
-def test_a_reload_fills_the_clip_from_the_pack(competitor: Competitor) -> None:
-    competitor.begin(duel())
-    competitor.act(SHOOT)
-    competitor.act({0: {"reload": True}})
-    assert competitor.seen_by(0).is_reload
-    competitor.act(times=20)
-    seen = competitor.seen_by(0)
-    assert (seen.is_reload, seen.num_gun_ammo, seen.num_pack_ammo) == (False, 15, 59)
-
-
 def test_the_dead_wait_come_back_whole_and_are_invincible_for_a_while(competitor: Competitor) -> None:
     competitor.begin(duel({"attack_power": 100}, {"hp": 70}, respawn_time=1, invincible_time=2))
     competitor.act(SHOOT)

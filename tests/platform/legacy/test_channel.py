@@ -54,6 +54,11 @@ def test_a_reply_that_no_episode_needs_is_not_taken_in(size: int) -> None:
     competitor.die()
 
 
+def test_a_port_where_nobody_listens_is_named() -> None:
+    with pytest.raises(ClientGoneError, match=r"no client answers on 127\.0\.0\.1:1"):
+        Client("127.0.0.1:1", timeout=0.1)
+
+
 Playing = tuple[Competitor, threading.Thread]
 
 

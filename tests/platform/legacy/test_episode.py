@@ -139,27 +139,12 @@ def test_what_cannot_be_is_refused_by_the_name_of_its_field(fields: dict[str, An
         ({"water_speed_decay": 0}, "rules.water_speed_factor", 0.01, "water_speed_decay is 0.0"),
         ({"water_speed_decay": 2}, "rules.water_speed_factor", 1.0, "water_speed_decay is 2.0"),
         ({"respawn_time": -1}, "rules.respawn_time", 0.02, "respawn_time is -1, must be 0 to 600"),
-        (
-            {"supply_loss_percent_when_dead": 101},
-            "rules.supply_loss",
-            1.0,
-            "supply_loss_percent_when_dead is 101",
-        ),
+        ({"supply_loss_percent_when_dead": 101}, "rules.supply_loss", 1.0, "supply_loss_percent_when_dead"),
         ({"supply_heatmap_radius": 1001}, "supplies.waves.0.radius", 1000, "supply_heatmap_radius is 1001"),
-        (
-            {"supply_create_percent": 51},
-            "supplies.waves.0.outdoor_richness",
-            50,
-            "must be 0 to 50: 50 is used",
-        ),
+        ({"supply_create_percent": 51}, "supplies.waves.0.outdoor_richness", 50, "must be 0 to 50: 50 is"),
         ({"supply_grid_length": 101}, "supplies.spacing", 100, "supply_grid_length is 101"),
         ({"supply_grid_length": 0}, "supplies.spacing", 1, "supply_grid_length is 0"),
-        (
-            {"supply_random_max": 1001},
-            "supplies.outdoor_quantity",
-            (1, 1000),
-            "supply_random_max is 1001, must be 1 to 1000: 1000 is used",
-        ),
+        ({"supply_random_max": 1001}, "supplies.outdoor_quantity", (1, 1000), "supply_random_max is 1001"),
         (
             {"supply_random_min": 5, "supply_random_max": 1},
             "supplies.outdoor_quantity",
@@ -173,24 +158,14 @@ def test_what_cannot_be_is_refused_by_the_name_of_its_field(fields: dict[str, An
             100_000,
             "num_pack_ammo of agent 3 is 1000000",
         ),
-        (
-            {"agents": [setup(gun_capacity=1001)]},
-            "equipment.0.clip_size",
-            1000,
-            "gun_capacity of agent 0 is 1001",
-        ),
+        ({"agents": [setup(gun_capacity=1001)]}, "equipment.0.clip_size", 1000, "gun_capacity of agent 0"),
         (
             {"agents": [setup(attack_power=10_001)]},
             "equipment.0.shot_damage",
             10_000,
             "attack_power of agent 0",
         ),
-        (
-            {"agents": [setup(3, (0, float("nan"), 0))]},
-            "starts.0",
-            (0, 0, 0),
-            "start_location of agent 3 is (0.0, nan, 0.0), must be finite: (0.0, 0.0, 0.0) is used",
-        ),
+        ({"agents": [setup(3, (0, float("nan"), 0))]}, "starts.0", (0, 0, 0), "start_location of agent 3"),
     ],
 )
 def test_a_number_out_of_range_counts_as_the_nearest_and_is_told(

@@ -1,4 +1,4 @@
-"""Events, which a client gets if it asks for them."""
+"""Boxes, and events, which a client gets if it asks for them."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -68,9 +68,20 @@ def test_a_reload_that_is_done_is_told(competitor: Competitor) -> None:
     competitor.begin(duel(is_Open_Event=True))
     competitor.act(SHOOT)
     competitor.act({0: {"reload": True}})
+    assert competitor.seen_by(0).is_reload
     done = until(competitor, "event_agent_reload_success", times=20)
-    assert done.player_id == 0
-    assert competitor.seen_by(0).num_gun_ammo == 15
+    seen = competitor.seen_by(0)
+    assert (done.player_id, seen.is_reload) == (0, False)
+    assert (seen.num_gun_ammo, seen.num_pack_ammo) == (15, 59)
+
+
+def test_all_boxes_are_told_each_with_an_id_of_its_own(competitor: Competitor) -> None:
+    competitor.begin(command(GameMode.SUP_GATHER_MODE, supply_random_min=2, supply_random_max=4))
+    boxes = competitor.seen_by(0).supply_info_list
+    assert len(boxes) > 20
+    assert len({box.supply_id for box in boxes}) == len(boxes)
+    # Indoors a box holds 10 by default, outdoors 2 to 4.
+    assert {box.supply_quantity for box in boxes} == {2, 3, 4, 10}
 
 
 def test_each_box_that_is_taken_is_told_with_who_took_it(competitor: Competitor) -> None:

@@ -14,13 +14,10 @@ import trimesh
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
-from tests.builders import place, seen_now
 from tests.platform.legacy.helpers.original import environment
 
 from wildscav_engine.maps import GameMap, load_map
 from wildscav_engine.sensors import DepthCamera
-from wildscav_engine.simulation.match import Match
-from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_legacy.install import is_written, obj_of, paths_of, write_map
 
 EYE = np.array([0.0, 1.5, 0.0])
@@ -98,47 +95,6 @@ def test_depth_over_the_mesh_is_the_engines(tmp_path: Path) -> None:
     theirs = [depth_by_mesh(mesh, *pose) for pose in zip(eyes, yaws, pitches, strict=True)]
     same = np.abs(ours - np.array(theirs)) <= 0.05
     assert same.mean() >= 0.995
-
-
-def test_line_of_sight_over_the_mesh_is_the_engines(tmp_path: Path) -> None:
-    game_map = load_map(103)
-    mesh = Mesh(game_map, tmp_path)
-    match = Match(MatchSpec(track="battle", map=game_map.spec, seats=("submission",) * 2), game_map)
-    everywhere = np.concatenate([game_map.indoor, game_map.outdoor])
-    dice = np.random.default_rng(3)
-    ours, theirs = [], []
-    for watcher in standing_places(game_map, 300, seed=2):
-        # Not so near that a part of the body is out of view.
-        distances = np.linalg.norm(everywhere - watcher, axis=1)
-        body = everywhere[dice.choice(np.flatnonzero((distances > 5) & (distances < 60)))]
-        ours.append(is_seen(match, watcher, body))
-        theirs.append(is_in_sight(mesh, watcher, body))
-    assert 0.05 < np.mean(ours) < 0.95, "some are seen and some are hidden"
-    assert np.mean(np.array(ours) == np.array(theirs)) >= 0.99
-
-
-def is_seen(match: Match, watcher: Numbers, body: Numbers) -> bool:
-    """Return whether one who looks at a body sees it in the engine."""
-    way = body - watcher
-    pitch = np.degrees(np.arctan2(-way[1], np.hypot(way[0], way[2])))
-    place(match, 0, watcher, yaw=float(np.degrees(np.arctan2(way[0], way[2]))), pitch=float(pitch))
-    place(match, 1, body)
-    return bool(seen_now(match).agent_count[0, 0] == 1)
-
-
-def is_in_sight(mesh: Mesh, watcher: Numbers, body: Numbers) -> bool:
-    """Return whether a body, as 1.78 m of axis and 0.9 m of shoulders, is in sight over the mesh."""
-    way = body - watcher
-    aside = np.array([way[2], 0.0, -way[0]]) / max(1e-9, np.hypot(way[0], way[2])) * 0.8 * 0.45
-    heights = [0.95 * 1.78, 0.6 * 1.78, 0.2 * 1.78]
-    up = np.array([0.0, 1.0, 0.0])
-    points = [body + height * up for height in heights]
-    points += [body + 0.7 * 1.78 * up + aside, body + 0.7 * 1.78 * up - aside]
-    ways = np.array(points) - (watcher + EYE)
-    lengths = np.linalg.norm(ways, axis=1)
-    starts = np.tile(watcher + EYE, (len(ways), 1))
-    met = mesh.distances(starts, ways / lengths[:, None], lengths)
-    return bool((met >= lengths - 1e-4).any())
 
 
 def test_locations_are_those_of_the_map(tmp_path: Path) -> None:

@@ -15,8 +15,17 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as some
 from tests.platform.helpers.attacked_server import Siege, memory
 from tests.platform.helpers.hostile_client import ATTACKS, REASONS, Move
-from tests.platform.helpers.manual_clock import HOP, HandSetLoop, serving_by_hand
-from tests.platform.helpers.seats import connected, ended, host, serving, small_spec, start_agent
+from tests.platform.helpers.manual_clock import HOP, ServedByHand, with_server_by_hand
+from tests.platform.helpers.seats import (
+    Served,
+    connected,
+    ended,
+    host,
+    serving,
+    small_spec,
+    start_agent,
+    with_server,
+)
 
 from wildscav.proto.match_pb2 import ClientMessage, Join
 from wildscav_engine.parallel.threads import cores
@@ -27,20 +36,43 @@ from wildscav_server.hosting.precompile import precompile
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 
-FEW, MANY = 100, 1_000  # attacks in all; another number by WILDSCAV_ATTACKS
+ATTACKS_MADE = 1_000  # in all; another number by WILDSCAV_ATTACKS
+AT_ONCE = 100
 CAMPAIGN = 2_500  # attacks that hypothesis draws at a time: it remembers each of them, 10 kB
 GROWTH = 40e6  # bytes that may come on top: what the allocator and the tests keep
 
 
-def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
-    """Attack a server again and again, and see that it stays as it was."""
+def campaign(siege: Siege, number: int, rounds: int, memories: list[int]) -> None:
+    """Attack with sequences of moves that hypothesis draws, others for each number."""
+
+    @seed(number)
+    @settings(
+        max_examples=rounds,
+        deadline=None,
+        phases=[Phase.generate],  # to make a failing round smaller takes longer than to read it
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(some.lists(ATTACKS, min_size=AT_ONCE, max_size=AT_ONCE))
+    def attack(moves: list[list[Move]]) -> None:
+        endings = set(siege.attack(moves))
+        assert endings <= REASONS | {"", "too large for gRPC"}, endings
+        gc.collect()
+        memories.append(memory())
+
+    attack()
+
+
+@pytest.mark.slow
+def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Path) -> None:
+    attacks = int(os.environ.get("WILDSCAV_ATTACKS", ATTACKS_MADE))
     precompile()
     siege = Siege(tmp_path)
     memories: list[int] = []
     try:
         size = min(CAMPAIGN, attacks)
         for number in range(-(-attacks // CAMPAIGN)):
-            campaign(siege, number, size // at_once, at_once, memories)
+            campaign(siege, number, size // AT_ONCE, memories)
             print(f"{(number + 1) * size:,} attacks, {memories[-1] / 1e6:.0f} MB")  # noqa: T201
     finally:
         honest = siege.end()
@@ -55,37 +87,6 @@ def besiege(tmp_path: Path, attacks: int, at_once: int) -> None:
     assert late == 0
     assert steps > 10
     assert memories[-1] - settled < GROWTH
-
-
-def campaign(siege: Siege, number: int, rounds: int, at_once: int, memories: list[int]) -> None:
-    """Attack with sequences of moves that hypothesis draws, others for each number."""
-
-    @seed(number)
-    @settings(
-        max_examples=rounds,
-        deadline=None,
-        phases=[Phase.generate],  # to make a failing round smaller takes longer than to read it
-        database=None,
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(some.lists(ATTACKS, min_size=at_once, max_size=at_once))
-    def attack(moves: list[list[Move]]) -> None:
-        endings = set(siege.attack(moves))
-        assert endings <= REASONS | {"", "too large for gRPC"}, endings
-        gc.collect()
-        memories.append(memory())
-
-    attack()
-
-
-@pytest.mark.slow
-def test_no_sequence_of_messages_harms_the_server_or_another_match(tmp_path: Path) -> None:
-    besiege(tmp_path, FEW, at_once=20)
-
-
-@pytest.mark.slow
-def test_no_sequence_of_thousands_harms_the_server_or_another_match(tmp_path: Path) -> None:
-    besiege(tmp_path, int(os.environ.get("WILDSCAV_ATTACKS", MANY)), at_once=100)
 
 
 def raw_connections(path: str, count: int, said: Sequence[bytes]) -> list[socket.socket]:
@@ -127,92 +128,86 @@ SETTINGS = b"\0\0\0\4\0\0\0\0\0"
         ),
     ],
 )
-def test_thousands_of_connections_leave_a_match_its_time(tmp_path: Path, said: list[bytes]) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seconds=6.0))
-        agent = await start_agent("Walker", address, hosted.tokens[0])
-        while hosted.match.step_number == 0:  # noqa: ASYNC110
-            await asyncio.sleep(0.01)
-        path = address.removeprefix("unix:")
-        flood = await asyncio.to_thread(raw_connections, path, 3000, said)
+@with_server
+async def test_thousands_of_connections_leave_a_match_its_time(served: Served, said: list[bytes]) -> None:
+    hosted = await served.host(small_spec(seconds=6.0))
+    agent = await start_agent("Walker", served.address, hosted.tokens[0])
+    while hosted.match.step_number == 0:  # noqa: ASYNC110
+        await asyncio.sleep(0.01)
+    path = served.address.removeprefix("unix:")
+    flood = await asyncio.to_thread(raw_connections, path, 3000, said)
+    assert await ended(agent) == (0, "")
+    report = (await hosted.finished()).seats[0]
+    assert (report.status, report.late_steps) == ("finished", 0)
+    async with asyncio.timeout(120):  # a busy machine takes a while to close the others
+        while sum(map(still_open, flood)) > 2000:  # noqa: ASYNC110
+            await asyncio.sleep(0.1)
+    for one in flood:
+        one.close()
+    later = await served.host(small_spec())  # the flood gone, all is as before
+    agent = await start_agent("Walker", served.address, later.tokens[0])
+    assert await ended(agent) == (0, "")
+
+
+@with_server
+async def test_one_address_has_so_many_connections_and_the_others_are_free(
+    served: Served, tmp_path: Path
+) -> None:
+    server = MatchServer(endpoint_settings=EndpointSettings(connections=4))
+    address, second = await server.start([f"unix:{tmp_path / name}.sock" for name in ("first", "second")])
+    flood = await asyncio.to_thread(raw_connections, second.removeprefix("unix:"), 50, [b""])
+    await asyncio.sleep(0.2)
+    assert sum(map(still_open, flood)) <= 4
+    hosted = await host(server, small_spec())
+    agent = await start_agent("Walker", address, hosted.tokens[0])
+    assert await ended(agent) == (0, "")
+    for one in flood:
+        one.close()
+    await server.stop()
+
+
+@with_server_by_hand
+async def test_a_reader_that_does_not_read_costs_its_seat_alone(served: ServedByHand) -> None:
+    before = memory()
+    depth = {"depth": {"width": 400, "height": 400}}  # 640 kB each: more than is sent ahead
+    spec, limits = small_spec(seats=2, seconds=3.0), Clock(step_budget=0.05, time_bank=0.1)
+    hosted = await served.host(spec, sensors={0: depth}, clock=limits)
+    agent = await start_agent("Walker", served.address, hosted.tokens[1])
+    async with connected(served.address) as deaf:
+        await deaf.send(ClientMessage(join=Join(token=hosted.tokens[0], protocol_version=1)))
+        while not hosted.task.done():
+            # Time passes only while nobody waits for the other one.
+            answered = hosted.seats[1].conduct.steps_played > hosted.match.step_number
+            await served.pass_time(HOP if answered or hosted.match.over else 0.0)
+        outcome = await hosted.finished()
+    assert await ended(agent) == (0, "")
+    assert (outcome.seats[0].status, outcome.seats[0].steps_played) == ("timed_out", 0)
+    assert (outcome.seats[1].status, outcome.seats[1].late_steps) == ("finished", 0)
+    assert memory() - before < 50e6
+
+
+@with_server
+async def test_a_flood_of_unknown_clients_costs_a_match_no_step(served: Served) -> None:
+    refused, over = 0, False
+
+    async def knock() -> None:
+        nonlocal refused
+        while not over:
+            async with connected(served.address) as seat:
+                await seat.send(ClientMessage(join=Join(token="mine?", protocol_version=1)))  # noqa: S106
+                with pytest.raises(grpc.aio.AioRpcError):
+                    await seat.read_out()
+                refused += 1
+
+    flood = [asyncio.create_task(knock()) for _ in range(60)]
+    while refused <= 120:
+        hosted = await served.host(small_spec(seconds=6.0))
+        agent = await start_agent("Walker", served.address, hosted.tokens[0])
         assert await ended(agent) == (0, "")
         report = (await hosted.finished()).seats[0]
         assert (report.status, report.late_steps) == ("finished", 0)
-        async with asyncio.timeout(120):  # a busy machine takes a while to close the others
-            while sum(map(still_open, flood)) > 2000:  # noqa: ASYNC110
-                await asyncio.sleep(0.1)
-        for one in flood:
-            one.close()
-        later = await host(server, small_spec())  # the flood gone, all is as before
-        agent = await start_agent("Walker", address, later.tokens[0])
-        assert await ended(agent) == (0, "")
-
-    serving(tmp_path, play)
-
-
-def test_one_address_has_so_many_connections_and_the_others_are_free(tmp_path: Path) -> None:
-    async def play(_: MatchServer, __: str) -> None:
-        server = MatchServer(endpoint_settings=EndpointSettings(connections=4))
-        address, second = await server.start([f"unix:{tmp_path / name}.sock" for name in ("first", "second")])
-        flood = await asyncio.to_thread(raw_connections, second.removeprefix("unix:"), 50, [b""])
-        await asyncio.sleep(0.2)
-        assert sum(map(still_open, flood)) <= 4
-        hosted = await host(server, small_spec())
-        agent = await start_agent("Walker", address, hosted.tokens[0])
-        assert await ended(agent) == (0, "")
-        for one in flood:
-            one.close()
-        await server.stop()
-
-    serving(tmp_path, play)
-
-
-def test_a_reader_that_does_not_read_costs_its_seat_alone(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        before = memory()
-        depth = {"depth": {"width": 400, "height": 400}}  # 640 kB each: more than is sent ahead
-        spec, limits = small_spec(seats=2, seconds=3.0), Clock(step_budget=0.05, time_bank=0.1)
-        hosted = await host(server, spec, sensors={0: depth}, clock=limits)
-        agent = await start_agent("Walker", address, hosted.tokens[1])
-        async with connected(address) as deaf:
-            await deaf.send(ClientMessage(join=Join(token=hosted.tokens[0], protocol_version=1)))
-            while not hosted.task.done():
-                # Time passes only while nobody waits for the other one.
-                answered = hosted.seats[1].conduct.steps_played > hosted.match.step_number
-                await clock.pass_time(HOP if answered or hosted.match.over else 0.0)
-            outcome = await hosted.finished()
-        assert await ended(agent) == (0, "")
-        assert (outcome.seats[0].status, outcome.seats[0].steps_played) == ("timed_out", 0)
-        assert (outcome.seats[1].status, outcome.seats[1].late_steps) == ("finished", 0)
-        assert memory() - before < 50e6
-
-    serving_by_hand(tmp_path, play)
-
-
-def test_a_flood_of_unknown_clients_costs_a_match_no_step(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        refused, over = 0, False
-
-        async def knock() -> None:
-            nonlocal refused
-            while not over:
-                async with connected(address) as seat:
-                    await seat.send(ClientMessage(join=Join(token="mine?", protocol_version=1)))  # noqa: S106
-                    with pytest.raises(grpc.aio.AioRpcError):
-                        await seat.read_out()
-                    refused += 1
-
-        flood = [asyncio.create_task(knock()) for _ in range(60)]
-        while refused <= 120:
-            hosted = await host(server, small_spec(seconds=6.0))
-            agent = await start_agent("Walker", address, hosted.tokens[0])
-            assert await ended(agent) == (0, "")
-            report = (await hosted.finished()).seats[0]
-            assert (report.status, report.late_steps) == ("finished", 0)
-        over = True
-        await asyncio.gather(*flood)
-
-    serving(tmp_path, play)
+    over = True
+    await asyncio.gather(*flood)
 
 
 def test_maps_of_calls_that_were_cancelled_keep_no_match_from_its_end(tmp_path: Path) -> None:

@@ -43,10 +43,9 @@ def lamps(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return removed
 
 
-def start_owner() -> "tuple[subprocess.Popen[str], Path]":
-    owner = subprocess.Popen(
-        [sys.executable, "-c", OWNER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
+def start_owner(code: str = OWNER, *arguments: object) -> "tuple[subprocess.Popen[str], Path]":
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    owner = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert owner.stdout is not None
     return owner, Path(owner.stdout.readline().strip())
 
@@ -84,14 +83,7 @@ with leftovers.temporary_folder_in(Path(sys.argv[1]), ".trial-") as folder:
 def test_a_temporary_folder_elsewhere_goes_with_its_process(
     tmp_path: Path, place: Path, killed: bool
 ) -> None:
-    owner = subprocess.Popen(
-        [sys.executable, "-c", ELSEWHERE, str(tmp_path)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    assert owner.stdout is not None
-    folder = Path(owner.stdout.readline().strip())
+    owner, folder = start_owner(ELSEWHERE, tmp_path)
     assert folder.parent == tmp_path
     assert (folder / "file").exists()
     kill(owner) if killed else owner.communicate()

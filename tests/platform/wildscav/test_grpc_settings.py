@@ -40,8 +40,6 @@ def what_grpc_reads(module: str, environment: dict[str, str]) -> str:
     [
         "wildscav.sdk.connection",
         "wildscav_server.match_server",
-        "wildscav_legacy.channel, grpc",
-        pytest.param("wildscav_evaluator.matches.play", marks=pytest.mark.slow),
     ],
 )
 def test_whatever_imports_grpc_has_set_it_before(module: str) -> None:

@@ -8,7 +8,7 @@ from wildscav.cli.shared_options import AsJson, named_in
 from wildscav.errors import UserError
 from wildscav_evaluator.cli.options.evaluation import SecretOption, SeedOption
 from wildscav_evaluator.cli.options.running import AddressOption, ExecutorOption, executor_of
-from wildscav_training.cli.level_option import level_names
+from wildscav_training.cli.track_and_level import level_names
 
 if TYPE_CHECKING:
     from wildscav_engine.maps.levels import Level

@@ -32,6 +32,7 @@ OPTIONS = {
     "an evaluation": {"--key", "--commitment", "--workers", "--executor", "--address"},
     "a season": {"--commitment", "--track", "--download", "--resimulate", "--workers"},
 }
+DEFAULTS = {"--download": "all", "--resimulate": "all", "--executor": "local"}
 
 
 def _count(text: str) -> str:
@@ -41,66 +42,73 @@ def _count(text: str) -> str:
     return text
 
 
+Places = Annotated[
+    list[str],
+    typer.Argument(
+        help="Records (files, or numbers of a season's matches); or the folder of one evaluation; or one "
+        "season: its address, or a folder that `wildscav season export` wrote.",
+        metavar="RECORD…|FOLDER|URL",
+        show_default=False,
+    ),
+]
+Commitment = Annotated[
+    str | None,
+    typer.Option(
+        help="Of an evaluation or a season: the commitment of its secret, as you noted it beforehand.",
+        show_default=False,
+    ),
+]
+Track = Annotated[str | None, typer.Option(help="Of a season: only this track.", show_default=False)]
+Download = Annotated[
+    str,
+    typer.Option(
+        help="Of a season: how many records of each track to download, chosen at random.",
+        metavar="N|all|none",
+        callback=_count,
+    ),
+]
+Resimulate = Annotated[
+    str,
+    typer.Option(
+        help="Of a season: how many of these to play again, which takes time.",
+        metavar="N|all|none",
+        callback=_count,
+    ),
+]
+Agent = Annotated[
+    str | None,
+    typer.Option(
+        help="Run this submission again in the record's match, and compare its actions with the record: "
+        "a folder with a submission.toml, an archive of one, or image:NAME.",
+        metavar="SUBMISSION",
+        show_default=False,
+    ),
+]
+Seat = Annotated[
+    list[int] | None,
+    typer.Option(
+        help="With --agent: compare this seat; may be repeated. Default: the submission's own seats.",
+        min=0,
+    ),
+]
+Logs = Annotated[Path | None, typer.Option(help="With --agent: folder for its output. Default: out/verify.")]
+Workers = Annotated[
+    int | None, typer.Option(help="Records to play at once. Default: one per processor core.", min=1)
+]
+
+
 def verify(
-    places: Annotated[
-        list[str],
-        typer.Argument(
-            help="Records (files, or numbers of a season's matches); or the folder of one evaluation; or one "
-            "season: its address, or a folder that `wildscav season export` wrote.",
-            metavar="RECORD…|FOLDER|URL",
-            show_default=False,
-        ),
-    ],
+    places: Places,
     key: KeyOption = None,
-    commitment: Annotated[
-        str | None,
-        typer.Option(
-            help="Of an evaluation or a season: the commitment of its secret, as you noted it beforehand.",
-            show_default=False,
-        ),
-    ] = None,
-    track: Annotated[
-        str | None, typer.Option(help="Of a season: only this track.", show_default=False)
-    ] = None,
-    download: Annotated[
-        str,
-        typer.Option(
-            help="Of a season: how many records of each track to download, chosen at random.",
-            metavar="N|all|none",
-            callback=_count,
-        ),
-    ] = "all",
-    resimulate: Annotated[
-        str,
-        typer.Option(
-            help="Of a season: how many of these to play again, which takes time.",
-            metavar="N|all|none",
-            callback=_count,
-        ),
-    ] = "all",
-    agent: Annotated[
-        str | None,
-        typer.Option(
-            help="Run this submission again in the record's match, and compare its actions with the record: "
-            "a folder with a submission.toml, an archive of one, or image:NAME.",
-            metavar="SUBMISSION",
-            show_default=False,
-        ),
-    ] = None,
-    seat: Annotated[
-        list[int] | None,
-        typer.Option(
-            help="With --agent: compare this seat; may be repeated. Default: the submission's own seats.",
-            min=0,
-        ),
-    ] = None,
-    logs: Annotated[
-        Path | None, typer.Option(help="With --agent: folder for its output. Default: out/verify.")
-    ] = None,
+    commitment: Commitment = None,
+    track: Track = None,
+    download: Download = "all",
+    resimulate: Resimulate = "all",
+    agent: Agent = None,
+    seat: Seat = None,
+    logs: Logs = None,
     sandbox: InSandbox = None,
-    workers: Annotated[
-        int | None, typer.Option(help="Records to play at once. Default: one per processor core.", min=1)
-    ] = None,
+    workers: Workers = None,
     executor: ExecutorOption = "local",
     address: AddressOption = None,
     season: SeasonOption = None,
@@ -117,7 +125,6 @@ def verify(
     that reads a clock, or uses threads or its own random numbers, may differ although its code is the same.
     """
     kind = _kind_of(places, agent)
-    defaults = {"--download": "all", "--resimulate": "all", "--executor": "local"}
     given = {
         "--key": key,
         "--commitment": commitment,
@@ -132,10 +139,7 @@ def verify(
         "--executor": executor,
         "--address": address,
     }
-    for option, value in given.items():
-        if option not in OPTIONS[kind] and value is not None and value != defaults.get(option):
-            others = " or ".join(kind for kind, options in OPTIONS.items() if option in options)
-            raise UserError(f"{option} is for {others}; {places[0]} is {kind}", exit_code=2)
+    _check_options(given, kind, places[0])
     if kind == "a season":
         with executor_of("local", None, workers) as machines:
             _audit(
@@ -155,6 +159,14 @@ def verify(
         from wildscav_evaluator.cli.sessions.verify_records import verify_records
 
         verify_records([resolve_record(Path(place), season) for place in places], key, as_json=as_json)
+
+
+def _check_options(given: dict[str, Any], kind: str, place: str) -> None:
+    """Refuse options that are for other kinds of things."""
+    for option, value in given.items():
+        if option not in OPTIONS[kind] and value is not None and value != DEFAULTS.get(option):
+            others = " or ".join(kind for kind, options in OPTIONS.items() if option in options)
+            raise UserError(f"{option} is for {others}; {place} is {kind}", exit_code=2)
 
 
 def _kind_of(places: list[str], agent: str | None) -> str:

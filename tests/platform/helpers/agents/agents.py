@@ -89,21 +89,6 @@ class SeesDepth(Agent):
         return Action()
 
 
-class SeesAll(Agent):
-    """Fails unless it gets every sensor there is, with the type and shape that the sensor declares."""
-
-    def act(self, observation: Observation) -> Action:
-        from wildscav_engine.sensors import SENSORS
-
-        for name, kind in SENSORS.items():
-            reading, space = observation.sensor(name), kind().space
-            if reading.dtype != space.dtype or not space.contains(reading):
-                raise RuntimeError(f"{name} is {reading.dtype} {reading.shape}, must be in {space}")
-        if set(observation.tensors) != set(SENSORS):
-            raise RuntimeError(f"tensors are {sorted(observation.tensors)}")
-        return Action(walk_speed=3.0, turn=2.0)
-
-
 class NoAgent:
     """Has not one method of an agent."""
 

@@ -1,4 +1,4 @@
-"""What the original's client sends to begin an episode, with its own defaults."""
+"""What a client sends to begin an episode; what is left out has the original's defaults."""
 
 import functools
 from collections.abc import Sequence
@@ -22,13 +22,8 @@ def vector(place: Sequence[float]) -> Vector3:
 
 
 def setup(agent: int = 0, start: Sequence[float] | None = None, **fields: Any) -> AgentSetup:
-    given = {"hp": 100, "num_pack_ammo": 60, "gun_capacity": 15, "attack_power": 20} | fields
-    return AgentSetup(
-        id=agent,
-        agent_name=f"agent_{agent}",
-        start_location=vector((0, 0, 0) if start is None else start),
-        **given,
-    )
+    place = vector((0, 0, 0) if start is None else start)
+    return AgentSetup(id=agent, agent_name=f"agent_{agent}", start_location=place, **fields)
 
 
 def command(
@@ -38,26 +33,7 @@ def command(
     **fields: Any,
 ) -> GMCommand:
     setups = list(agents) or [setup()]
-    given: dict[str, Any] = {
-        "timeout": 60,
-        "map_id": MAP,
-        "random_seed": 0,
-        "trigger_range": 1,
-        "supply_heatmap_radius": 50,
-        "supply_create_percent": 50,
-        "supply_house_create_percent": 50,
-        "supply_grid_length": 3,
-        "supply_random_min": 1,
-        "supply_random_max": 1,
-        "supply_house_random_min": 10,
-        "supply_house_random_max": 10,
-        "respawn_time": 10,
-        "invincible_time": 10,
-        "supply_loss_percent_when_dead": 50,
-        "water_speed_decay": 0.5,
-        "time_scale": 10,
-        "num_agents": len(setups),
-    } | fields
+    given: dict[str, Any] = {"map_id": MAP, "num_agents": len(setups)} | fields
     return GMCommand(
         game_mode=mode,
         agent_setups=setups,

@@ -1,4 +1,4 @@
-"""Unix sockets: only what an ended server has left behind is replaced."""
+"""Addresses: which are refused, and that only what an ended server has left behind is replaced."""
 
 import os
 import socket
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav.errors import AddressInUseError
+from wildscav.errors import AddressInUseError, UserError
 from wildscav_server.endpoints.addresses import bind
 
 NOBODY = 65_534
@@ -54,6 +54,22 @@ def test_a_living_socket_is_never_removed(state: str) -> None:
                 bind(f"unix:{path}")
 
             assert path.is_socket()
+
+
+def test_a_port_in_use_is_an_error() -> None:
+    (bound,) = bind("127.0.0.1:0")
+    bound.listen()
+    with bound, pytest.raises(AddressInUseError, match="in use"):
+        bind(f"127.0.0.1:{bound.getsockname()[1]}")
+
+
+@pytest.mark.parametrize(
+    "address", ["50051", "localhost:x", "unix:/no/such/folder/socket", "unix:/tmp/" + "x" * 120]
+)
+def test_a_malformed_address_is_a_usage_error(address: str) -> None:
+    with pytest.raises(UserError) as caught:
+        bind(address)
+    assert caught.value.exit_code == 2
 
 
 def test_the_socket_of_an_ended_server_is_replaced(tmp_path: Path) -> None:

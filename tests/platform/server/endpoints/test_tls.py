@@ -8,7 +8,7 @@ from pathlib import Path
 import grpc
 import pytest
 from tests.platform.helpers.certificates import DAY, Authority, Pair
-from tests.platform.helpers.seats import AGENTS, ended, host, serving, small_spec
+from tests.platform.helpers.seats import AGENTS, Served, ended, host, serving, small_spec, with_server
 
 from wildscav.errors import UserError
 from wildscav.proto.match_pb2 import HostMatchRequest
@@ -124,19 +124,15 @@ def test_files_that_are_no_certificates_are_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("address", ["0.0.0.0:0", "[::]:0"])
-def test_without_tls_no_other_machine_is_let_in_unless_it_is_said(tmp_path: Path, address: str) -> None:
-    async def play(_: MatchServer, __: str) -> None:
-        for server in (MatchServer(), SharedServer(1, organizer_token="correct horse")):  # noqa: S106
-            with pytest.raises(
-                UserError, match=r"can be reached from other machines.*--tls-cert.*--insecure"
-            ):
-                await server.start([address])
-            await server.stop()
-        server = MatchServer(endpoint_settings=EndpointSettings(insecure=True))
-        await server.start([address])
+@with_server
+async def test_without_tls_no_other_machine_is_let_in_unless_it_is_said(served: Served, address: str) -> None:
+    for server in (MatchServer(), SharedServer(1, organizer_token="correct horse")):  # noqa: S106
+        with pytest.raises(UserError, match=r"can be reached from other machines.*--tls-cert.*--insecure"):
+            await server.start([address])
         await server.stop()
-
-    serving(tmp_path, play)
+    server = MatchServer(endpoint_settings=EndpointSettings(insecure=True))
+    await server.start([address])
+    await server.stop()
 
 
 @pytest.mark.slow

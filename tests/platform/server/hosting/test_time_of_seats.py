@@ -1,18 +1,22 @@
 """The time of seats: what the silent and the late lose, and what they cost the others."""
 
 import asyncio
-from pathlib import Path
 
 import grpc
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from tests.platform.helpers.manual_clock import HOP, HandSetLoop, has_answered, serving_by_hand
-from tests.platform.helpers.seats import HandPlayed, connected, ended, host, small_spec, start_agent
+from tests.platform.helpers.manual_clock import (
+    HOP,
+    HandSetLoop,
+    ServedByHand,
+    answer,
+    has_answered,
+    with_server_by_hand,
+)
+from tests.platform.helpers.seats import connected, ended, small_spec, start_agent
 
-from wildscav_server.hosting.hosted_match import HostedMatch
 from wildscav_server.hosting.reports import SeatStatus
-from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 
 TURN = 1 / 16  # s after which a step is closed that nobody answers: its budget is up half a hop before
@@ -20,130 +24,86 @@ BUDGET, BANK = TURN - HOP / 2, 1 / 8  # s
 HASTY = Clock(step_budget=BUDGET, time_bank=BANK)
 
 
-async def answer(seat: HandPlayed, hosted: HostedMatch, number: int, step: int) -> None:
-    """Read the observation of a step, answer it, and wait until the answer has arrived."""
-    played = hosted.seats[number].conduct.steps_played
-    assert (await seat.read()).observation.step == step
-    await seat.act(step, walk_speed=1.0)
-    await has_answered(hosted, number, played)
+@with_server_by_hand
+async def test_a_silent_seat_costs_the_others_its_time_once(served: ServedByHand) -> None:
+    hosted = await served.host(small_spec(seats=2), clock=HASTY)
+    async with served.seated(hosted) as (_, lively):
+        began = served.clock.time()
+        for step in range(20):
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
+            if step == 0:
+                await served.pass_time(TURN + BANK - HOP)
+                assert hosted.match.step_number == 0
+                await served.pass_time(HOP)
+            else:  # the bank is used up
+                await served.pass_time(TURN)
+            assert hosted.match.step_number == step + 1
+        assert served.clock.time() - began == BANK + 20 * TURN
+        assert (await lively.read()).match_over.conduct.steps_played == 20
+    outcome = await hosted.finished()
+    assert outcome.seats[0].status == SeatStatus.TIMED_OUT
+    assert (outcome.seats[0].steps_played, outcome.seats[0].late_steps) == (0, 20)
+    assert outcome.seats[1].status == SeatStatus.FINISHED
 
 
-def test_a_silent_seat_costs_the_others_its_time_once(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=HASTY)
-        async with connected(address) as silent, connected(address) as lively:
-            await silent.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            began = clock.time()
-            for step in range(20):
-                await answer(lively, hosted, 1, step)
-                if step == 0:
-                    await clock.pass_time(TURN + BANK - HOP)
-                    assert hosted.match.step_number == 0
-                    await clock.pass_time(HOP)
-                else:  # the bank is used up
-                    await clock.pass_time(TURN)
-                assert hosted.match.step_number == step + 1
-            assert clock.time() - began == BANK + 20 * TURN
-            assert (await lively.read()).match_over.conduct.steps_played == 20
-        outcome = await hosted.finished()
-        assert outcome.seats[0].status == SeatStatus.TIMED_OUT
-        assert (outcome.seats[0].steps_played, outcome.seats[0].late_steps) == (0, 20)
-        assert outcome.seats[1].status == SeatStatus.FINISHED
-
-    serving_by_hand(tmp_path, play)
-
-
-def test_each_observation_tells_what_is_left_of_the_seats_own_bank(tmp_path: Path) -> None:
+@with_server_by_hand
+async def test_each_observation_tells_what_is_left_of_the_seats_own_bank(served: ServedByHand) -> None:
     limits = Clock(step_budget=BUDGET, time_bank=2.0)
-
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=limits)
-        async with connected(address) as slow, connected(address) as quick:
-            await slow.join(hosted.tokens[0])
-            await quick.join(hosted.tokens[1])
-            for step in range(3):
-                left = 2.0 - step * (0.25 + HOP / 2)
-                banks = [(await seat.read()).observation.time_bank for seat in (slow, quick)]
-                assert banks == [left, 2.0]
-                await quick.act(step)
-                await has_answered(hosted, 1, step)
-                await clock.pass_time(TURN + 0.25)
-                await slow.act(step)
-                await has_answered(hosted, 0, step)
-        hosted.cancel()
-
-    serving_by_hand(tmp_path, play)
+    hosted = await served.host(small_spec(seats=2), clock=limits)
+    async with served.seated(hosted) as (slow, quick):
+        for step in range(3):
+            left = 2.0 - step * (0.25 + HOP / 2)
+            banks = [(await seat.read()).observation.time_bank for seat in (slow, quick)]
+            assert banks == [left, 2.0]
+            await quick.act(step)
+            await has_answered(hosted, 1, step)
+            await served.pass_time(TURN + 0.25)
+            await slow.act(step)
+            await has_answered(hosted, 0, step)
+    hosted.cancel()
 
 
-def test_a_seat_that_wakes_up_again_plays_on(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2, seconds=3.0), clock=HASTY)
-        async with connected(address) as sleepy, connected(address) as lively:
-            await sleepy.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            for step in range(3):
-                await answer(sleepy, hosted, 0, step)
-                await answer(lively, hosted, 1, step)
-            assert (await sleepy.read()).observation.step == 3  # and falls asleep over it
-            for step in range(3, 10):
-                await answer(lively, hosted, 1, step)
-                await clock.pass_time(TURN + BANK if step == 3 else TURN)
-            await sleepy.act(3)
-            assert (await sleepy.read()).observation.step == 10  # the one that is open
-            await sleepy.act(10)
-            await has_answered(hosted, 0, 3)
-            await answer(lively, hosted, 1, 10)
-            for step in range(11, 30):
-                await answer(sleepy, hosted, 0, step)
-                await answer(lively, hosted, 1, step)
-        asleep, awake = (await hosted.finished()).seats.values()
-        assert asleep.status == SeatStatus.TIMED_OUT
-        # Steps 3 to 9 were played without it; its answer to step 3 came too late.
-        assert (asleep.steps_played, asleep.late_steps, asleep.dropped_actions) == (23, 7, 1)
-        assert (awake.status, awake.steps_played) == (SeatStatus.FINISHED, 30)
-
-    serving_by_hand(tmp_path, play)
+@with_server_by_hand
+async def test_a_seat_that_wakes_up_again_plays_on(served: ServedByHand) -> None:
+    hosted = await served.host(small_spec(seats=2, seconds=3.0), clock=HASTY)
+    async with served.seated(hosted) as (sleepy, lively):
+        for step in range(3):
+            assert await answer(sleepy, hosted, 0, walk_speed=1.0) == step
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
+        assert (await sleepy.read()).observation.step == 3  # and falls asleep over it
+        for step in range(3, 10):
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
+            await served.pass_time(TURN + BANK if step == 3 else TURN)
+        await sleepy.act(3)
+        assert (await sleepy.read()).observation.step == 10  # the one that is open
+        await sleepy.act(10)
+        await has_answered(hosted, 0, 3)
+        assert await answer(lively, hosted, 1, walk_speed=1.0) == 10
+        for step in range(11, 30):
+            assert await answer(sleepy, hosted, 0, walk_speed=1.0) == step
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
+    asleep, awake = (await hosted.finished()).seats.values()
+    assert (asleep.status, awake.detail) == (SeatStatus.TIMED_OUT, "")
+    assert asleep.detail.startswith("its time bank was used up, and step 3 was the first")
+    # Steps 3 to 9 were played without it; its answer to step 3 came too late.
+    assert (asleep.steps_played, asleep.late_steps, asleep.dropped_actions) == (23, 7, 1)
+    assert (awake.status, awake.steps_played) == (SeatStatus.FINISHED, 30)
 
 
-def test_the_first_step_without_an_answer_is_named(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=HASTY)
-        async with connected(address) as sleepy, connected(address) as lively:
-            await sleepy.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            await answer(sleepy, hosted, 0, 0)
-            await answer(lively, hosted, 1, 0)
-            assert (await sleepy.read()).observation.step == 1  # and never answers it
-            for step in range(1, 20):
-                await answer(lively, hosted, 1, step)
-                await clock.pass_time(TURN + BANK if step == 1 else TURN)
-        asleep, awake = (await hosted.finished()).seats.values()
-        assert asleep.late_steps == 19
-        assert (
-            asleep.detail.startswith("its time bank was used up, and step 1 was the first"),
-            awake.detail,
-        ) == (True, "")
-
-    serving_by_hand(tmp_path, play)
-
-
-def test_a_paused_match_waits_for_every_answer(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2, clock="paused"), clock=HASTY)
-        async with connected(address) as slow, connected(address) as quick:
-            info = (await slow.join(hosted.tokens[0])).match_info
-            assert (info.clock, info.step_budget, info.time_bank) == ("paused", BUDGET, 3600.0)
-            await quick.join(hosted.tokens[1])
-            for step in range(20):
-                await answer(quick, hosted, 1, step)
-                await clock.pass_time(40.0 if step % 10 == 0 else HOP)  # far more than budget and bank
-                assert hosted.match.step_number == step
-                await answer(slow, hosted, 0, step)
-        for report in (await hosted.finished()).seats.values():
-            assert (report.status, report.steps_played, report.late_steps) == (SeatStatus.FINISHED, 20, 0)
-
-    serving_by_hand(tmp_path, play)
+@with_server_by_hand
+async def test_a_paused_match_waits_for_every_answer(served: ServedByHand) -> None:
+    hosted = await served.host(small_spec(seats=2, clock="paused"), clock=HASTY)
+    async with connected(served.address) as slow, connected(served.address) as quick:
+        info = (await slow.join(hosted.tokens[0])).match_info
+        assert (info.clock, info.step_budget, info.time_bank) == ("paused", BUDGET, 3600.0)
+        await quick.join(hosted.tokens[1])
+        for step in range(20):
+            assert await answer(quick, hosted, 1, walk_speed=1.0) == step
+            await served.pass_time(40.0 if step % 10 == 0 else HOP)  # far more than budget and bank
+            assert hosted.match.step_number == step
+            assert await answer(slow, hosted, 0, walk_speed=1.0) == step
+    for report in (await hosted.finished()).seats.values():
+        assert (report.status, report.steps_played, report.late_steps) == (SeatStatus.FINISHED, 20, 0)
 
 
 @pytest.mark.parametrize(
@@ -156,160 +116,116 @@ def test_a_paused_match_waits_for_every_answer(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_seat_that_gives_no_answer_in_a_paused_match_is_closed_alone(
-    tmp_path: Path, limits: Clock, detail: str
+@with_server_by_hand
+async def test_a_seat_that_gives_no_answer_in_a_paused_match_is_closed_alone(
+    served: ServedByHand, limits: Clock, detail: str
 ) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2, clock="paused"), clock=limits)
-        async with connected(address) as silent, connected(address) as lively:
-            await silent.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            await answer(silent, hosted, 0, 0)
-            await answer(lively, hosted, 1, 0)
+    hosted = await served.host(small_spec(seats=2, clock="paused"), clock=limits)
+    async with served.seated(hosted) as (silent, lively):
+        assert await answer(silent, hosted, 0, walk_speed=1.0) == 0
+        assert await answer(lively, hosted, 1, walk_speed=1.0) == 0
+        await silent.read()
+        assert await answer(lively, hosted, 1, walk_speed=1.0) == 1
+        await served.pass_time(TURN)
+        for step in range(2, 20):  # nobody waits for it any longer
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
+        with pytest.raises(grpc.aio.AioRpcError, match=detail):
             await silent.read()
-            await answer(lively, hosted, 1, 1)
-            await clock.pass_time(TURN)
-            for step in range(2, 20):  # nobody waits for it any longer
-                await answer(lively, hosted, 1, step)
-            with pytest.raises(grpc.aio.AioRpcError, match=detail):
-                await silent.read()
-        closed, other = (await hosted.finished()).seats.values()
-        assert (closed.status, closed.steps_played, closed.late_steps) == (SeatStatus.TIMED_OUT, 1, 1)
-        assert closed.detail == detail
-        assert (other.status, other.steps_played) == (SeatStatus.FINISHED, 20)
-
-    serving_by_hand(tmp_path, play)
+    closed, other = (await hosted.finished()).seats.values()
+    assert (closed.status, closed.steps_played, closed.late_steps) == (SeatStatus.TIMED_OUT, 1, 1)
+    assert closed.detail == detail
+    assert (other.status, other.steps_played) == (SeatStatus.FINISHED, 20)
 
 
-def test_a_seat_whose_answer_is_late_in_a_paused_match_is_closed(tmp_path: Path) -> None:
-    limits = Clock(step_budget=BUDGET, paused_bank=2 * TURN)
-
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2, clock="paused"), clock=limits)
-        async with connected(address) as slow, connected(address) as lively:
-            await slow.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            await answer(lively, hosted, 1, 0)
-            await clock.pass_time(2 * TURN)
-            await answer(slow, hosted, 0, 0)
-            await slow.read()
-            await lively.read()
-            await clock.pass_time(2 * TURN + HOP)  # the other's bank would pay for it
-            await slow.act(1, walk_speed=1.0)
-            with pytest.raises(grpc.aio.AioRpcError, match="was used up"):
-                await slow.read()
-            await lively.act(1, walk_speed=1.0)
-            for step in range(2, 20):
-                await answer(lively, hosted, 1, step)
-        closed, other = (await hosted.finished()).seats.values()
-        assert (closed.status, closed.steps_played, closed.late_steps) == (SeatStatus.TIMED_OUT, 1, 1)
-        assert (other.status, other.steps_played) == (SeatStatus.FINISHED, 20)
-
-    serving_by_hand(tmp_path, play)
+@with_server_by_hand
+async def test_a_killed_agent_costs_nobody_any_time(served: ServedByHand) -> None:
+    hosted = await served.host(small_spec(seats=2))
+    agents = [
+        await start_agent(name, served.address, hosted.tokens[seat])
+        for seat, name in enumerate(("Killed", "Walker"))
+    ]
+    outcome = await hosted.finished()  # no time has passed, so nobody waited for the bank of 30 s
+    assert (await ended(agents[0]))[0] == -9
+    assert await ended(agents[1]) == (0, "")
+    assert (outcome.seats[0].status, outcome.seats[0].steps_played) == (SeatStatus.CRASHED, 5)
+    assert outcome.seats[0].detail == "its stream ended"
+    assert (outcome.seats[1].status, outcome.seats[1].steps_played) == (SeatStatus.FINISHED, 20)
 
 
-def test_a_killed_agent_costs_nobody_any_time(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2))
-        agents = [
-            await start_agent(name, address, hosted.tokens[seat])
-            for seat, name in enumerate(("Killed", "Walker"))
-        ]
-        outcome = await hosted.finished()  # no time has passed, so nobody waited for the bank of 30 s
-        assert (await ended(agents[0]))[0] == -9
-        assert await ended(agents[1]) == (0, "")
-        assert (outcome.seats[0].status, outcome.seats[0].steps_played) == (SeatStatus.CRASHED, 5)
-        assert outcome.seats[0].detail == "its stream ended"
-        assert (outcome.seats[1].status, outcome.seats[1].steps_played) == (SeatStatus.FINISHED, 20)
-
-    serving_by_hand(tmp_path, play)
-
-
-def test_when_all_are_gone_the_rest_is_played_at_once(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seconds=600.0))
-        async with connected(address) as seat:
-            await seat.join(hosted.tokens[0])
-            await seat.read()
-            await seat.call.done_writing()
-            outcome = await hosted.finished()
-        assert outcome.match.step_number == 6000
-        assert (outcome.seats[0].status, outcome.seats[0].detail) == (SeatStatus.CRASHED, "its stream ended")
-
-    serving_by_hand(tmp_path, play)
-
-
-def test_a_seat_that_nobody_takes_is_waited_for_no_longer_than_agreed(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=Clock(join_timeout=0.5))
-        async with connected(address) as seat, connected(address) as late:
-            await seat.join(hosted.tokens[0])
-            await clock.pass_time(0.5 - HOP)
-            assert not hosted.playing
-            await clock.pass_time(HOP)
-            first = await seat.read()
-            with pytest.raises(grpc.aio.AioRpcError, match="seat 1 is closed"):
-                await late.join(hosted.tokens[1])
-            await seat.act(first.observation.step)
-            await seat.play_out()
+@with_server_by_hand
+async def test_when_all_are_gone_the_rest_is_played_at_once(served: ServedByHand) -> None:
+    hosted = await served.host(small_spec(seconds=600.0))
+    async with served.seated(hosted) as (seat,):
+        await seat.read()
+        await seat.call.done_writing()
         outcome = await hosted.finished()
-        assert outcome.seats[1].status == SeatStatus.NEVER_JOINED
-        assert outcome.seats[0].status == SeatStatus.FINISHED
-
-    serving_by_hand(tmp_path, play)
+    assert outcome.match.step_number == 6000
+    assert (outcome.seats[0].status, outcome.seats[0].detail) == (SeatStatus.CRASHED, "its stream ended")
 
 
-def test_the_time_to_join_begins_when_all_agents_were_launched(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=Clock(join_timeout=0.5), starting=True)
-        async with connected(address) as first, connected(address) as second:
-            for seat in range(2):
-                await clock.pass_time(1.0)  # which its sandbox takes to start
-                hosted.launched(seat)
-            await clock.pass_time(0.5 - HOP)
-            await first.join(hosted.tokens[0])
-            await second.join(hosted.tokens[1])
-            await asyncio.gather(first.play_out(), second.play_out())
-        outcome = await hosted.finished()
-        assert [outcome.seats[seat].status for seat in range(2)] == ["finished", "finished"]
-
-    serving_by_hand(tmp_path, play)
-
-
-def test_a_seat_given_up_by_its_launcher_is_waited_for_no_longer(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=3))
-        hosted.give_up(2, "the process did not start")
-        async with connected(address) as stuck, connected(address) as lively:
-            await stuck.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            await lively.read()
-            await lively.act(0)
-            hosted.give_up(0, "out of memory")
-            await lively.play_out()
-        outcome = await hosted.finished()
-        assert [outcome.seats[seat].status for seat in range(3)] == ["crashed", "finished", "crashed"]
-        assert outcome.seats[0].detail == "out of memory"
-        assert outcome.seats[2].detail == "the process did not start"
-
-    serving_by_hand(tmp_path, play)
+@with_server_by_hand
+async def test_a_seat_that_nobody_takes_is_waited_for_no_longer_than_agreed(served: ServedByHand) -> None:
+    hosted = await served.host(small_spec(seats=2), clock=Clock(join_timeout=0.5))
+    async with connected(served.address) as seat, connected(served.address) as late:
+        await seat.join(hosted.tokens[0])
+        await served.pass_time(0.5 - HOP)
+        assert not hosted.playing
+        await served.pass_time(HOP)
+        first = await seat.read()
+        with pytest.raises(grpc.aio.AioRpcError, match="seat 1 is closed"):
+            await late.join(hosted.tokens[1])
+        await seat.act(first.observation.step)
+        await seat.play_out()
+    outcome = await hosted.finished()
+    assert outcome.seats[1].status == SeatStatus.NEVER_JOINED
+    assert outcome.seats[0].status == SeatStatus.FINISHED
 
 
-def test_two_matches_at_once_do_not_wait_for_each_other(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        slow, fast = await asyncio.gather(host(server, small_spec()), host(server, small_spec("navigation")))
-        async with connected(address) as waiting, connected(address) as seat:
-            await waiting.join(slow.tokens[0])
-            await waiting.read()
-            await seat.join(fast.tokens[0])
-            await seat.play_out()
-            assert (await fast.finished()).seats[0].status == SeatStatus.FINISHED
-            assert slow.match.step_number == 0
-            await waiting.act(0)
-            await waiting.play_out()
-            assert (await slow.finished()).seats[0].status == SeatStatus.FINISHED
+@with_server_by_hand
+async def test_the_time_to_join_begins_when_all_agents_were_launched(served: ServedByHand) -> None:
+    hosted = await served.host(small_spec(seats=2), clock=Clock(join_timeout=0.5), starting=True)
+    async with connected(served.address) as first, connected(served.address) as second:
+        for seat in range(2):
+            await served.pass_time(1.0)  # which its sandbox takes to start
+            hosted.launched(seat)
+        await served.pass_time(0.5 - HOP)
+        await first.join(hosted.tokens[0])
+        await second.join(hosted.tokens[1])
+        await asyncio.gather(first.play_out(), second.play_out())
+    outcome = await hosted.finished()
+    assert [outcome.seats[seat].status for seat in range(2)] == ["finished", "finished"]
 
-    serving_by_hand(tmp_path, play)
+
+@with_server_by_hand
+async def test_a_seat_given_up_by_its_launcher_is_waited_for_no_longer(served: ServedByHand) -> None:
+    hosted = await served.host(small_spec(seats=3))
+    hosted.give_up(2, "the process did not start")
+    async with connected(served.address) as stuck, connected(served.address) as lively:
+        await stuck.join(hosted.tokens[0])
+        await lively.join(hosted.tokens[1])
+        await lively.read()
+        await lively.act(0)
+        hosted.give_up(0, "out of memory")
+        await lively.play_out()
+    outcome = await hosted.finished()
+    assert [outcome.seats[seat].status for seat in range(3)] == ["crashed", "finished", "crashed"]
+    assert outcome.seats[0].detail == "out of memory"
+    assert outcome.seats[2].detail == "the process did not start"
+
+
+@with_server_by_hand
+async def test_two_matches_at_once_do_not_wait_for_each_other(served: ServedByHand) -> None:
+    slow, fast = await asyncio.gather(served.host(small_spec()), served.host(small_spec("navigation")))
+    async with connected(served.address) as waiting, connected(served.address) as seat:
+        await waiting.join(slow.tokens[0])
+        await waiting.read()
+        await seat.join(fast.tokens[0])
+        await seat.play_out()
+        assert (await fast.finished()).seats[0].status == SeatStatus.FINISHED
+        assert slow.match.step_number == 0
+        await waiting.act(0)
+        await waiting.play_out()
+        assert (await slow.finished()).seats[0].status == SeatStatus.FINISHED
 
 
 class SlowSensor:
@@ -324,50 +240,43 @@ class SlowSensor:
 
 
 @pytest.mark.parametrize("slow", [0, 1], ids=["asked first", "asked last"])
-def test_a_seat_pays_for_its_sensors_itself(tmp_path: Path, slow: int) -> None:
+@with_server_by_hand
+async def test_a_seat_pays_for_its_sensors_itself(served: ServedByHand, slow: int) -> None:
     takes, bank = 0.375, 2.0
     limits = Clock(step_budget=BUDGET, time_bank=bank)
-
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=limits)
-        hosted.seats[slow].sensors["slow"] = SlowSensor(clock, takes)  # type: ignore[assignment]
-        async with connected(address) as first, connected(address) as second:
-            seats = (first, second)
+    hosted = await served.host(small_spec(seats=2), clock=limits)
+    hosted.seats[slow].sensors["slow"] = SlowSensor(served.clock, takes)  # type: ignore[assignment]
+    async with connected(served.address) as first, connected(served.address) as second:
+        seats = (first, second)
+        for number, seat in enumerate(seats):
+            await seat.join(hosted.tokens[number])
+        for step in range(3):
+            for seat in seats:
+                assert (await seat.read()).observation.step == step
             for number, seat in enumerate(seats):
-                await seat.join(hosted.tokens[number])
-            for step in range(3):
-                for seat in seats:
-                    assert (await seat.read()).observation.step == step
-                for number, seat in enumerate(seats):
-                    await seat.act(step)
-                    await has_answered(hosted, number, step)
-            reports = [hosted.seats[number].report() for number in range(2)]
-            hosted.cancel()
-        assert reports[slow].time_bank == bank - 3 * (takes - BUDGET)
-        assert reports[1 - slow].time_bank == bank
-        assert [report.think_time.total for report in reports] == [0.0, 0.0]  # neither has thought
-
-    serving_by_hand(tmp_path, play)
+                await seat.act(step)
+                await has_answered(hosted, number, step)
+        reports = [hosted.seats[number].report() for number in range(2)]
+        hosted.cancel()
+    assert reports[slow].time_bank == bank - 3 * (takes - BUDGET)
+    assert reports[1 - slow].time_bank == bank
+    assert [report.think_time.total for report in reports] == [0.0, 0.0]  # neither has thought
 
 
-def test_a_seat_whose_sensors_take_longer_than_it_has_is_asked_no_more(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str, clock: HandSetLoop) -> None:
-        hosted = await host(server, small_spec(seats=2), clock=HASTY)
-        hosted.seats[0].sensors["slow"] = SlowSensor(clock, 1.0)  # type: ignore[assignment]
-        async with connected(address) as slow, connected(address) as lively:
-            await slow.join(hosted.tokens[0])
-            await lively.join(hosted.tokens[1])
-            began = clock.time()
-            await slow.read()
-            for step in range(20):
-                await answer(lively, hosted, 1, step)
-                if step == 2:
-                    await slow.act(0)  # far too late
-                while hosted.match.step_number == step:
-                    await clock.pass_time(HOP)
-            assert clock.time() - began < 1.0 + 21 * TURN  # the sensor was read once
-        asleep, awake = (await hosted.finished()).seats.values()
-        assert (asleep.status, asleep.steps_played) == (SeatStatus.TIMED_OUT, 0)
-        assert (awake.status, awake.steps_played, awake.time_bank) == (SeatStatus.FINISHED, 20, BANK)
-
-    serving_by_hand(tmp_path, play)
+@with_server_by_hand
+async def test_a_seat_whose_sensors_take_longer_than_it_has_is_asked_no_more(served: ServedByHand) -> None:
+    hosted = await served.host(small_spec(seats=2), clock=HASTY)
+    hosted.seats[0].sensors["slow"] = SlowSensor(served.clock, 1.0)  # type: ignore[assignment]
+    async with served.seated(hosted) as (slow, lively):
+        began = served.clock.time()
+        await slow.read()
+        for step in range(20):
+            assert await answer(lively, hosted, 1, walk_speed=1.0) == step
+            if step == 2:
+                await slow.act(0)  # far too late
+            while hosted.match.step_number == step:
+                await served.pass_time(HOP)
+        assert served.clock.time() - began < 1.0 + 21 * TURN  # the sensor was read once
+    asleep, awake = (await hosted.finished()).seats.values()
+    assert (asleep.status, asleep.steps_played) == (SeatStatus.TIMED_OUT, 0)
+    assert (awake.status, awake.steps_played, awake.time_bank) == (SeatStatus.FINISHED, 20, BANK)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from tests.platform.helpers import raw_http2
 from tests.platform.helpers.attacked_server import memory
-from tests.platform.helpers.seats import ended, host, serving, small_spec, start_agent
+from tests.platform.helpers.seats import Served, ended, host, serving, small_spec, start_agent, with_server
 
 from wildscav.proto.match_pb2 import Action, ClientMessage
 from wildscav_server.endpoints.endpoint import EndpointSettings
@@ -89,23 +89,21 @@ def test_a_seat_that_floods_its_socket_is_put_out_and_costs_another_no_step(
 
 
 @pytest.mark.parametrize("kinds", GROUPS_OF_UNKNOWN, ids=", ".join)
-def test_unknown_clients_that_flood_an_address_keep_nobody_from_joining_there(
-    tmp_path: Path, kinds: Sequence[str]
+@with_server
+async def test_unknown_clients_that_flood_an_address_keep_nobody_from_joining_there(
+    served: Served, kinds: Sequence[str]
 ) -> None:
-    async def play(server: MatchServer, _: str) -> None:
-        (address,) = await server.start(["127.0.0.1:0"])
-        before = memory()
-        with ExitStack() as floods:
-            for kind in kinds:
-                floods.enter_context(flooding(kind, address))
-            hosted = await host(server, small_spec(seconds=5.0), clock=PATIENT)
-            agent = await start_agent("Walker", address, hosted.tokens[0])
-            seat = (await hosted.finished()).seats[0]
-        assert await ended(agent) == (0, "")
-        assert (seat.status, seat.late_steps, seat.steps_played) == ("finished", 0, 50)
-        assert memory() - before < GROWTH
-
-    serving(tmp_path, play)
+    (address,) = await served.server.start(["127.0.0.1:0"])
+    before = memory()
+    with ExitStack() as floods:
+        for kind in kinds:
+            floods.enter_context(flooding(kind, address))
+        hosted = await served.host(small_spec(seconds=5.0), clock=PATIENT)
+        agent = await start_agent("Walker", address, hosted.tokens[0])
+        seat = (await hosted.finished()).seats[0]
+    assert await ended(agent) == (0, "")
+    assert (seat.status, seat.late_steps, seat.steps_played) == ("finished", 0, 50)
+    assert memory() - before < GROWTH
 
 
 @pytest.mark.parametrize(
@@ -115,31 +113,29 @@ def test_unknown_clients_that_flood_an_address_keep_nobody_from_joining_there(
         (100, True),  # as a slow network may deliver it
     ],
 )
-def test_a_seat_that_sends_its_answers_byte_by_byte_is_put_out(
-    tmp_path: Path, scrap: int, bearable: bool
+@with_server
+async def test_a_seat_that_sends_its_answers_byte_by_byte_is_put_out(
+    served: Served, scrap: int, bearable: bool
 ) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seconds=1.0), clock=PATIENT)
-        seat = hosted.seats[0]
-        with raw_http2.greet(address) as client:
-            client.sendall(raw_http2.join(1, hosted.tokens[0]))
-            client.setblocking(False)
-            step = 0
-            while not (hosted.match.over or seat.gone):
-                await asyncio.sleep(0)
-                if seat.asked == step:
-                    step += 1
-                    await send_in_scraps(client, raw_http2.message(1, long_answer(seat.asked)), scrap)
-            report = (await hosted.finished()).seats[0]
-        told = (report.status, report.steps_played, report.detail)
-        put_out = (
-            SeatStatus.PROTOCOL_ERROR,
-            0,
-            "flooded its connection with frames that carry no message, or in pieces",
-        )
-        assert told == (("finished", 10, "") if bearable else put_out)
-
-    serving(tmp_path, play)
+    hosted = await served.host(small_spec(seconds=1.0), clock=PATIENT)
+    seat = hosted.seats[0]
+    with raw_http2.greet(served.address) as client:
+        client.sendall(raw_http2.join(1, hosted.tokens[0]))
+        client.setblocking(False)
+        step = 0
+        while not (hosted.match.over or seat.gone):
+            await asyncio.sleep(0)
+            if seat.asked == step:
+                step += 1
+                await send_in_scraps(client, raw_http2.message(1, long_answer(seat.asked)), scrap)
+        report = (await hosted.finished()).seats[0]
+    told = (report.status, report.steps_played, report.detail)
+    put_out = (
+        SeatStatus.PROTOCOL_ERROR,
+        0,
+        "flooded its connection with frames that carry no message, or in pieces",
+    )
+    assert told == (("finished", 10, "") if bearable else put_out)
 
 
 def long_answer(step: int) -> bytes:

@@ -8,12 +8,13 @@ from contextlib import suppress
 from pathlib import Path
 
 from tests.platform.helpers.certificates import Authority
+from tests.platform.helpers.raw_http2 import GREETING, SETTINGS, frame
 
 from wildscav_server.endpoints.tls import Certificate
 from wildscav_server.http2.accounting import TimeShare
 from wildscav_server.http2.connection import Encryption, Listener
 
-PREFACE = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes([0, 0, 0, 4, 0, 0, 0, 0, 0])
+PREFACE = GREETING + frame(SETTINGS, 0, 0)
 UNKNOWN_FRAME = bytes([0, 0x40, 0, 0xFF, 0, 0, 0, 0, 0])  # 16,384 bytes of a kind that nobody knows
 REST = 0.005  # s that unknown clients wait after each thing that was done for one
 

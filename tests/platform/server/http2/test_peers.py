@@ -208,10 +208,9 @@ def test_curl(server: Server, said: Path) -> None:
     assert "grpc-status: 0" in printed
 
 
-@pytest.mark.parametrize("number", [2000, pytest.param(100_000, marks=pytest.mark.slow)])
-def test_h2load(server: Server, said: Path, number: int) -> None:
-    given = ("-n", str(number), "-c", "1", "-m", "100", "-d", said)
+def test_h2load(server: Server, said: Path) -> None:
+    given = ("-n", "2000", "-c", "1", "-m", "100", "-d", said)
 
     printed = run("h2load", *given, *HEADERS, f"http://{server.address}{ECHO}")
 
-    assert f"{number} succeeded, 0 failed, 0 errored, 0 timeout" in printed, printed
+    assert "2000 succeeded, 0 failed, 0 errored, 0 timeout" in printed, printed

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 from tests.engine.envs.common import OPEN
-from tests.platform.helpers.policy_matches import assert_same, play_env, play_match
+from tests.platform.helpers.policy_matches import assert_same, play_env, play_match, write_layers
 from tests.platform.helpers.seats import ended, host, serving, start_agent
 from typer.testing import CliRunner
 
@@ -26,13 +26,7 @@ OUTPUTS = {"multidiscrete": 9 + 2 + 7 + 5 + 2, "baseline": 8, "box": 5}
 
 
 def layers(path: Path, inputs: int = WIDTH, outputs: int = 25, **more: Any) -> Path:
-    """Write a small network with random weights."""
-    generator = np.random.default_rng(0)
-    shapes = [(16, inputs), (outputs, 16)]
-    arrays = {f"weight_{place}": generator.normal(size=shape) for place, shape in enumerate(shapes)}
-    arrays |= {f"bias_{place}": generator.normal(size=shape[0]) for place, shape in enumerate(shapes)}
-    np.savez(path, **arrays | more)
-    return path
+    return write_layers(path, inputs, 16, outputs, **more)
 
 
 def init(*arguments: str | Path) -> Any:
@@ -132,31 +126,13 @@ def test_several_observations_at_once_are_told_by_the_shape(tmp_path: Path) -> N
     [
         ([], "--track is missing: name the track that the policy was trained for"),
         (["--track", "chess"], "track is 'chess'; the tracks are navigation"),
-        (
-            ["--track", "navigation"],
-            "takes 40 numbers; the environment with these options returns body [3], depth",
-        ),
-        (
-            ["--track", "battle"],
-            "returns 25 numbers, which does not fit the track battle with action_mode mul",
-        ),
-        (
-            ["--track", "navigation", "--option", "speed=9"],
-            "unexpected keyword argument 'speed'; the options are",
-        ),
+        (["--track", "navigation"], "takes 40 numbers; the environment with these options returns body"),
+        (["--track", "battle"], "returns 25 numbers, which does not fit the track battle with action_mode"),
+        (["--track", "navigation", "--option", "speed=9"], "unexpected keyword argument 'speed'; the"),
         (["--track", "navigation", "--option", "sensors"], "--option is 'sensors', must be NAME=VALUE"),
-        (
-            ["--track", "navigation", "--choose", "best"],
-            "--choose is 'best', must be sampled or deterministic",
-        ),
-        (
-            ["--track", "navigation", "--activation", "wave"],
-            "--activation is 'wave', must be one of identity, tanh",
-        ),
-        (
-            ["--option", "preset=paper-navigation"],
-            "takes 40 numbers; the environment with these options returns body [3], depth",
-        ),
+        (["--track", "navigation", "--choose", "best"], "--choose is 'best', must be sampled or"),
+        (["--track", "navigation", "--activation", "wave"], "--activation is 'wave', must be one of"),
+        (["--option", "preset=paper-navigation"], "takes 40 numbers; the environment with these options"),
     ],
 )
 def test_what_does_not_fit_is_said_and_nothing_is_written(

@@ -169,17 +169,6 @@ def test_the_sniper_hits_from_afar_and_shoots_slowly() -> None:
     assert min(far for _, far in shots) > 20.0
 
 
-def test_the_sniper_keeps_its_distance() -> None:
-    walks = {"walk_direction": 90.0, "walk_speed": 4.0}
-    near = []
-    for match in meeting("sniper", flat_world(100), {0: (-30, 0, 0), 1: (0, 0, 0)}, walks, time_limit=12.0):
-        match.state.agents.health[0] = 100
-        near.append(distance(match))
-
-    assert position(match, 0)[0] > 15.0, "it walks over the place where the sniper stood"
-    assert min(near) > 15.0
-
-
 def test_the_greedy_mate_gathers_before_its_teammate() -> None:
     walks = {"walk_direction": 90.0, "walk_speed": 5.0, "pick_up": 1.0}
     start = {0: (-30.0, 0.0, 0.0), 1: (-34.0, 0.0, 8.0)}

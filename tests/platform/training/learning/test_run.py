@@ -93,16 +93,6 @@ def test_the_submission_does_what_the_trained_policy_does(tmp_path: Path) -> Non
     assert sum(path.stat().st_size for path in (tmp_path / "agent").iterdir()) < 2_000_000
 
 
-def test_a_folder_in_use_and_other_settings_are_said_in_one_line(tmp_path: Path) -> None:
-    assert train("--out", tmp_path / "out").exit_code == 0
-    again = train("--out", tmp_path / "out")
-    assert again.exception.exit_code == 2
-    assert "is not an empty folder; name another, or continue with --resume" in str(again.exception)
-    other = train("--out", tmp_path / "out", "--resume", "--level", "hard", "--option", "map=null")
-    assert "holds a run with other settings: options." in str(other.exception)
-    assert train("--out", tmp_path / "out", "--resume").exit_code == 0, "there is nothing left to do"
-
-
 def test_seeds_at_once_end_as_seeds_one_after_the_other(tmp_path: Path) -> None:
     assert train("--out", tmp_path / "one", "--seeds", 2).exit_code == 0
     done = train("--out", tmp_path / "other", "--seeds", 2, "--workers", 2, "--json")
@@ -121,8 +111,6 @@ def test_what_is_wrong_in_one_of_several_processes_is_said_in_one_line(tmp_path:
     assert str(done.exception).endswith("holds no run: settings.json is missing")
 
 
-pytest.importorskip("torch")
-pytest.importorskip("tensorboardX")
 LEARNED = 0.9  # share of targets reached; random actions reach 0.03 of them
 LONGEST = 180.0  # s of one processor
 

@@ -51,11 +51,7 @@ def test_the_paper_preset_has_the_papers_environment(track: str) -> None:
 @pytest.mark.parametrize(
     ("preset", "track", "says"),
     [
-        (
-            "tunned",
-            "navigation",
-            "--preset is 'tunned' (did you mean 'tuned'?); the presets are tuned, paper",
-        ),
+        ("tunned", "navigation", "--preset is 'tunned' (did you mean 'tuned'?); the presets are tuned"),
         ("paper", "battle", "navigation, gathering, capture, not battle"),
     ],
 )

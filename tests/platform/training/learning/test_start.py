@@ -3,12 +3,12 @@
 import json
 import math
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.platform.helpers.policy_matches import write_layers
 from tests.platform.training.learning.common import small
 from typer.testing import CliRunner
 
@@ -27,18 +27,8 @@ from wildscav_training.learning.submission import policy_submission
 OTHER = "must have the same observations, actions and layers"
 
 
-def layers(path: Path, *widths: int) -> Path:
-    """A file of layers with these widths, from the first one's inputs to the last one's outputs."""
-    arrays: dict[str, Any] = {}
-    for layer, (before, after) in enumerate(pairwise(widths)):
-        arrays[f"weight_{layer}"] = np.full((after, before), 0.25, np.float32)
-        arrays[f"bias_{layer}"] = np.arange(after, dtype=np.float32)
-    np.savez(path, **arrays)
-    return path
-
-
 def test_a_run_from_other_weights_is_another_run(tmp_path: Path) -> None:
-    one, other = layers(tmp_path / "one.npz", 4, 2), layers(tmp_path / "other.npz", 4, 3)
+    one, other = write_layers(tmp_path / "one.npz", 4, 2), write_layers(tmp_path / "other.npz", 4, 3)
     starts = [None, read_start(one), read_start(other)]
     runs = [str(replace(small(), start=start).as_json()) for start in starts]
     assert len(set(runs)) == 3
@@ -62,7 +52,7 @@ def test_the_policy_starts_from_the_weights_and_the_value_learns_first(tmp_path:
     settings = small(steps=64 * (VALUE_FIRST + 1))
     inputs = PPO(settings).policy[0].in_features
     outputs = sum(PPO(settings).choices.sizes)
-    start = read_start(layers(tmp_path / "policy.npz", inputs, 8, outputs))
+    start = read_start(write_layers(tmp_path / "policy.npz", inputs, 8, outputs, value=0.25))
     learner = PPO(replace(settings, start=start))
 
     def weights(network: Any) -> list[float]:
@@ -77,7 +67,7 @@ def test_the_policy_starts_from_the_weights_and_the_value_learns_first(tmp_path:
     learner.iterate()
     assert weights(learner.policy) != [0.25] * (8 * inputs)
 
-    wrong = read_start(layers(tmp_path / "wrong.npz", inputs, 9, outputs))
+    wrong = read_start(write_layers(tmp_path / "wrong.npz", inputs, 9, outputs))
     with pytest.raises(UserError, match=OTHER):
         PPO(replace(settings, start=wrong))
 
@@ -88,20 +78,12 @@ def test_a_learner_that_is_gone_is_told_of_in_one_line() -> None:
     assert str(done.exception).startswith("--algorithm a2c is gone: `wildscav train` learns by PPO")
 
 
-def write_weights(path: Path, inputs: int, outputs: int) -> None:
-    generator = np.random.default_rng(0)
-    shapes = [(8, inputs), (outputs, 8)]
-    arrays = {f"weight_{layer}": generator.normal(size=shape) for layer, shape in enumerate(shapes)}
-    arrays |= {f"bias_{layer}": generator.normal(size=shape[0]) for layer, shape in enumerate(shapes)}
-    np.savez(path, **arrays)  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("track", ["navigation", "gathering", "battle"])
 def test_the_policy_of_a_run_becomes_a_submission(tmp_path: Path, track: str) -> None:
     _, options = preset_settings("tuned", track, {"level": "easy", "random_maps": 2})
     config = multi_agent_config(track, options)
     inputs, space = math.prod(observation_space(config).shape or ()), action_mode(config).space
-    write_weights(tmp_path / "policy.npz", inputs, int(space.nvec.sum()))  # type: ignore[attr-defined]
+    write_layers(tmp_path / "policy.npz", inputs, 8, int(space.nvec.sum()))  # type: ignore[attr-defined]
     settings = small(track)
     object.__setattr__(settings, "options", options)
 
@@ -118,7 +100,7 @@ def test_the_policy_of_a_run_becomes_a_submission(tmp_path: Path, track: str) ->
 
 
 def test_weights_of_another_environment_are_said(tmp_path: Path) -> None:
-    write_weights(tmp_path / "policy.npz", inputs=5, outputs=25)
+    write_layers(tmp_path / "policy.npz", 5, 8, 25)
     with pytest.raises(UserError, match="takes 5 numbers"):
         policy_submission(tmp_path, small(), "runner", Choose.SAMPLED)
 

@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from tests.platform.helpers.policy_matches import PATIENT
@@ -21,7 +20,7 @@ from wildscav_engine.simulation.snapshot import StateError
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_server.match_server import MatchServer
-from wildscav_training.opponents import SubmissionOpponent, submission
+from wildscav_training.opponents import submission
 
 SUBMISSIONS = Path(__file__).parents[4] / "submissions"
 SMALL = MapSpec(config=MapConfig(size=40, houses=1), seed=7)
@@ -182,15 +181,6 @@ def test_a_copy_loads_the_submission_anew(copied: Any) -> None:
     assert np.array_equal(env.arena.actions, other.arena.actions)
 
 
-def test_gymnasium_makes_an_environment_with_a_submission() -> None:
-    env = gymnasium.make(
-        "wildscav_engine:WildScav/Battle-v1", opponents=(submission(SUBMISSIONS / "homing"),), **OPTIONS
-    )
-    env.reset(seed=0)
-    env.step(env.action_space.sample())
-    assert env.spec is not None
-
-
 def test_a_state_does_not_hold_the_memory_of_agents() -> None:
     env = SingleEnv("battle", opponents=(submission(SUBMISSIONS / "hunter"),), **OPTIONS)
     env.reset(seed=0)
@@ -216,12 +206,10 @@ def test_what_is_not_a_submission_is_refused(folder: str, message: str) -> None:
     [
         (MANIFEST.replace("entry_point", "command").replace('"agent:Own"', '["node"]'), "", "has a command"),
         (MANIFEST.replace('entry_point = "agent:Own"', ""), "", "entry_point: is missing"),
-        (MANIFEST.replace('version = "1.0.0"', ""), "", "version: is missing"),
         (MANIFEST, "import nothing_of_this_name", "cannot be imported: ModuleNotFoundError"),
         (MANIFEST, "", "has no class Own"),
         (MANIFEST + 'interface = "words"\n', "class Own: ...", "here, agents must play by numbers"),
         (MANIFEST + "[sensors.sonar]\n", "class Own: ...", "sensors: "),
-        ("name = \n", "", "is not valid TOML"),
     ],
 )
 def test_a_submission_that_cannot_play_here_is_refused(
@@ -231,12 +219,6 @@ def test_a_submission_that_cannot_play_here_is_refused(
         submission(written(tmp_path / "own", code, manifest=manifest))
     assert "\n" not in str(refused.value)
     assert "agent" not in sys.modules
-
-
-def test_a_track_that_it_does_not_play_is_refused(tmp_path: Path) -> None:
-    folder = written(tmp_path / "own", "class Own: ...")
-    with pytest.raises(ValueError, match="own plays navigation, battle, not royale"):
-        SingleEnv("royale", opponents=(SubmissionOpponent(folder),))
 
 
 @pytest.mark.parametrize(

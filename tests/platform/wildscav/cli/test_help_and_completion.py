@@ -62,6 +62,8 @@ def test_a_command_whose_extra_is_missing_says_which_one() -> None:
 
     missing = ModuleNotFoundError("No module named 'scipy'", name="scipy")
     assert "pip install 'wildscav[maps]'" in str(main._remedy(missing))
+    unix = ModuleNotFoundError("No module named 'fcntl'", name="fcntl")
+    assert "it needs Linux, or another Unix" in str(main._remedy(unix))
     # As if a command of the evaluator had imported it.
     code = compile("def call(f): f()", "evaluate.py", "exec")
     for package, extra in (("wildscav_evaluator.cli", "evaluator"), ("wildscav_leaderboard", "leaderboard")):
@@ -88,20 +90,11 @@ def test_a_shell_completes_commands_options_and_values() -> None:
     assert complete("wildscav evaluate --sandbox b") == {"bubblewrap"}
 
 
-@pytest.mark.parametrize(
-    ("line", "offers"),
-    [
-        ("wildscav ev", "evaluate"),
-        ("wildscav map look --sen", "--sensor"),
-        ("wildscav season secret o", "open"),
-    ],
-)
-def test_zsh_completes_too(line: str, offers: str) -> None:
-    asked = {"_WILDSCAV_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": line}
+def test_zsh_completes_too() -> None:
+    asked = {"_WILDSCAV_COMPLETE": "complete_zsh", "_TYPER_COMPLETE_ARGS": "wildscav map look --sen"}
     said = run_command(**asked).stdout
     assert said.startswith("_arguments ")
-    assert said.count('":"') == 1
-    assert f'"{offers}":' in said
+    assert '"--sensor":' in said
 
 
 def test_completion_is_installed_by_the_main_command(tmp_path: Path) -> None:
@@ -119,10 +112,7 @@ def test_completion_is_installed_by_the_main_command(tmp_path: Path) -> None:
         (["verify", "--jsno", "x"], "--json"),
         (["play", "homng"], "submission homng does not exist (did you mean 'homing'?)"),
         (["play", "homing", "--track", "navigaton"], "(did you mean 'navigation'?)"),
-        (
-            ["play", "homing", "--replay", "x.mp4"],
-            "--replay is x.mp4: a replay is a Rerun recording",
-        ),
+        (["play", "homing", "--replay", "x.mp4"], "--replay is x.mp4: a replay is a Rerun recording"),
         (["init", "new", "--from", "hoving"], "there is no baseline 'hoving' (did you mean 'homing'?)"),
         (["play", "homing", "--sandbox", "bublewrap"], "'oci', 'bubblewrap', 'process'"),
     ],
@@ -141,37 +131,20 @@ WRONG = [
     "init new --from-policy {file}",
     "init new --from homing --from-policy {file}",
     "train --track swimming",
-    "train --algorithm dqn",
-    "train --preset tunned",
-    "train --preset paper --track battle",
     "train --level easy --map 101",
-    "train --level simple",
     "baselines --level simple",
-    "baselines mapper --track battle",
-    "train --option flat",
-    "train --option speed=3",
-    "train --set entropy",
-    "train --set entropie=1",
-    "train --set minibatch=0",
-    "train --steps 0",
-    "train --seeds 0",
     "train --curriculum 5,2",
     "train --curriculum far",
     "train --curriculum 5 --track battle",
     "train --out {file}",
-    "train --out {broken}",
     "train --submission {broken}",
     "dataset --id new-v0",
-    "dataset {nothing} --id new-v0",
     "dataset {file} --id new-v0",
     "dataset {file} --seed 3 --id new-v0",
     "dataset {file} --agent homing --id new-v0",
-    "dataset --agent {nothing} --id new-v0",
     "dataset --agent homing --track swimming --id new-v0",
-    "dataset --agent homing --option speed=3 --id new-v0",
     "human --track chess",
     "human --opponents {nothing}",
-    "human --map 1000",
     "human --records {file}",
     "mcp --out {file}",
     "mcp --http 0.0.0.0:0",
@@ -184,21 +157,17 @@ WRONG = [
     "play homing --time-limit nan",
     "play homing --size 41",
     "play homing --logs {file}",
-    "play homing --logs {file}/logs",
     "check {empty}",
     "check homing --logs {file}",
     "build {broken}",
     "evaluate {nothing}",
     "evaluate homing --suite {file}",
-    "evaluate homing --seed -1",
     "evaluate homing --sign {file}",
     "evaluate homing --secret {empty}",
     "evaluate homing --out {file}",
-    "evaluate homing --out {file}/out",
     "evaluate homing homing",
     "evaluate homing --address localhost:1",
     "evaluate homing --executor ray --address localhost",
-    "verify {empty} --executor ry",
     "doctor --executor ray --address 127.0.0.1:1",
     "map make",
     "map make --level easy --suite quick",
@@ -213,7 +182,6 @@ WRONG = [
     "tournament homing {empty} --track battle",
     "leaderboard {file}",
     "replay {binary}",
-    "replay {empty}",
     "replay {binary} --out x.mp4",
     "verify {binary} --agent homing",
     "verify {nothing} --agent homing --logs {file}",
@@ -231,37 +199,25 @@ WRONG = [
     "season key new {nothing}/key",
     "season key public {binary}",
     "serve --listen nonsense",
+    "serve --listen 0.0.0.0:0",
+    "serve --organizer-token-file {nothing}",
     "serve --listen unix:/dev/null/socket",
     "serve --tls-cert {file} --tls-key {file}",
     "serve --tls-cert {file}",
     "doctor {file}",
-    "map info -5",
-    "map info {file}",
     "map info --config {binary}",
     "map show 101 --out {file}",
     "map export 101 --out {file}",
-    "map export 101 --out {file}/folder",
     "map import {file}",
-    "map import {binary}",
-    "map look -5",
     "map look 101 --position nan,0",
-    "map look --config {binary}",
     "leaderboard --season latest",
     "leaderboard --season latest --suite quick",
     "leaderboard 127.0.0.1:1",
-    "leaderboard {binary}",
     "replay {binary} --video",
-    "replay {empty} --video",
-    "replay {nothing} --video",
-    "replay {binary} --video --out x.avi",
-    "replay {binary} --video --seat 1 --view grid",
-    "replay 12 --poster x.png",
     "replay 12",
     "replay 12 --season ftp://there",
     "replay {binary} --season 127.0.0.1:1",
     "watch {binary} --no-browser",
-    "watch {empty}",
-    "watch 12",
     "login",
     "login {file}/{file}",
     "login 127.0.0.1:1",
@@ -286,7 +242,6 @@ WRONG = [
     "team logs --match 2",
     "team submissions cancel 1",
     "season demo --folder {broken}",
-    "season demo --sandbox bublewrap",
     "season init {file}",
     "season init new --name A/B",
     "season serve {empty}",
@@ -330,12 +285,8 @@ def kit(tmp_path: Path) -> dict[str, str]:
     (tmp_path / "file.txt").write_text("A file. ")
     (tmp_path / "binary.bin").write_bytes(bytes(range(256)))
     (tmp_path / "broken" / "submission.toml").write_text("name = = 3")
-    return {
-        "nothing": "nothing",
-        "file": "file.txt",
-        "binary": "binary.bin",
-        "empty": "empty",
-        "broken": "broken",
+    return {"file": "file.txt", "binary": "binary.bin"} | {
+        name: name for name in ("nothing", "empty", "broken")
     }
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.platform.helpers.seats import connected, ended, host, serving, small_spec, start_agent
+from tests.platform.helpers.seats import Served, connected, ended, small_spec, start_agent, with_server
 
 from wildscav import Action, Agent, Observation, WildscavError
 from wildscav.agent import check_action
@@ -19,25 +19,9 @@ from wildscav.errors import AgentError, UserError
 from wildscav.geometry import direction_to, flat_distance, moved, pitch_to, turn_to
 from wildscav.proto.match_pb2 import Observation as ObservationMessage
 from wildscav.proto.match_pb2 import Vector
-from wildscav.sdk.run import make_agent, run
+from wildscav.sdk.run import run
 from wildscav.wire.observations import decode_observation
 from wildscav_server.hosting.reports import SeatStatus
-from wildscav_server.match_server import MatchServer
-
-
-def test_importing_the_sdk_imports_nothing_heavy() -> None:
-    code = "import sys, wildscav, wildscav.sdk.connection, wildscav.geometry; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    modules = {name.partition(".")[0] for name in done.stdout.split()}
-    assert {"wildscav", "grpc", "numpy"} <= modules
-    assert not modules & {"wildscav_engine", "numba", "pydantic", "typer", "rich", "rerun", "sqlalchemy"}
-
-
-def test_platform_is_still_the_standard_library() -> None:
-    import platform
-
-    assert platform.system() == "Linux"
-    assert not (Path(__file__).parents[4] / "platform" / "__init__.py").exists()
 
 
 def test_an_action_takes_any_kind_of_number_and_flag() -> None:
@@ -114,11 +98,6 @@ def test_an_answer_that_is_no_action_is_named() -> None:
         check_action(Mine(), None)
 
 
-def test_an_agent_without_act_says_so() -> None:
-    with pytest.raises(AgentError, match="object has no method reset"):
-        make_agent(object)  # type: ignore[arg-type]
-
-
 def test_run_needs_an_address(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("WILDSCAV_ADDRESS", raising=False)
     with pytest.raises(UserError, match="WILDSCAV_ADDRESS is not set"):
@@ -141,20 +120,18 @@ def test_run_needs_an_address(monkeypatch: pytest.MonkeyPatch) -> None:
         ("no_such_module:Agent", 3, "No module named 'no_such_module'"),
     ],
 )
-def test_an_agent_that_fails_is_told_from_a_platform_that_fails(
-    tmp_path: Path, agent: str, code: int, errors: str
+@with_server
+async def test_an_agent_that_fails_is_told_from_a_platform_that_fails(
+    served: Served, agent: str, code: int, errors: str
 ) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec())
-        process = await start_agent(agent, address, hosted.tokens[0])
-        got, said = await ended(process)
-        assert (got, errors in said) == (code, True), said
-        assert "wildscav/sdk" not in said  # the traceback is of the agent's own code
-        assert "asyncio" not in said
-        hosted.give_up(0, "its process ended")
-        assert (await hosted.finished()).seats[0].status == SeatStatus.CRASHED
-
-    serving(tmp_path, play)
+    hosted = await served.host(small_spec())
+    process = await start_agent(agent, served.address, hosted.tokens[0])
+    got, said = await ended(process)
+    assert (got, errors in said) == (code, True), said
+    assert "wildscav/sdk" not in said  # the traceback is of the agent's own code
+    assert "asyncio" not in said
+    hosted.give_up(0, "its process ended")
+    assert (await hosted.finished()).seats[0].status == SeatStatus.CRASHED
 
 
 @pytest.mark.parametrize(
@@ -181,27 +158,23 @@ def test_the_launcher_tells_usage_from_a_missing_server(
     assert "Traceback" not in done.stderr
 
 
-def test_an_agent_may_run_event_loops_of_its_own(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seconds=1.0))
-        process = await start_agent("ThinksInLoops", address, hosted.tokens[0])
-        assert await ended(process) == (0, "")
-        report = (await hosted.finished()).seats[0]
-        assert (report.status, report.steps_played) == (SeatStatus.FINISHED, 10)
-
-    serving(tmp_path, play)
+@with_server
+async def test_an_agent_may_run_event_loops_of_its_own(served: Served) -> None:
+    hosted = await served.host(small_spec(seconds=1.0))
+    process = await start_agent("ThinksInLoops", served.address, hosted.tokens[0])
+    assert await ended(process) == (0, "")
+    report = (await hosted.finished()).seats[0]
+    assert (report.status, report.steps_played) == (SeatStatus.FINISHED, 10)
 
 
 @pytest.mark.skipif(not hasattr(os, "SCHED_BATCH"), reason="the system has no such policy")
-def test_an_agent_that_plays_interrupts_nobody(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seconds=0.5))
-        agent = await start_agent("TellsHowItRuns", address, hosted.tokens[0])
-        code, said = await ended(agent)
-        assert code == 0
-        assert {int(line) for line in said.split()} == {os.SCHED_BATCH}
-
-    serving(tmp_path, play)
+@with_server
+async def test_an_agent_that_plays_interrupts_nobody(served: Served) -> None:
+    hosted = await served.host(small_spec(seconds=0.5))
+    agent = await start_agent("TellsHowItRuns", served.address, hosted.tokens[0])
+    code, said = await ended(agent)
+    assert code == 0
+    assert {int(line) for line in said.split()} == {os.SCHED_BATCH}
 
 
 @pytest.mark.skipif(not hasattr(os, "SCHED_IDLE"), reason="the system has no such policy")
@@ -216,17 +189,15 @@ def test_how_an_agents_user_chose_to_run_it_stays() -> None:
     assert int(done.stdout) == os.SCHED_IDLE
 
 
-def test_a_server_that_dies_is_an_unreachable_server(tmp_path: Path) -> None:
-    async def play(server: MatchServer, address: str) -> None:
-        hosted = await host(server, small_spec(seats=2))
-        agent = await start_agent("Walker", address, hosted.tokens[0])
-        async with connected(address) as other:
-            await other.join(hosted.tokens[1])
-            await other.read()  # so both are there
-            await server.stop(grace=0)
-        assert (await ended(agent))[0] == 4
-
-    serving(tmp_path, play)
+@with_server
+async def test_a_server_that_dies_is_an_unreachable_server(served: Served) -> None:
+    hosted = await served.host(small_spec(seats=2))
+    agent = await start_agent("Walker", served.address, hosted.tokens[0])
+    async with connected(served.address) as other:
+        await other.join(hosted.tokens[1])
+        await other.read()  # so both are there
+        await served.server.stop(grace=0)
+    assert (await ended(agent))[0] == 4
 
 
 @pytest.mark.parametrize(

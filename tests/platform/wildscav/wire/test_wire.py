@@ -2,6 +2,7 @@
 
 import gc
 import math
+from itertools import product
 from types import FrameType
 from typing import Any
 
@@ -11,8 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 from numpy.typing import NDArray
+from tests.platform.wildscav.skills.observations import match_info
 
-from wildscav import Action, MatchInfo, Observation, SupplyWave
+from wildscav import Action, Observation, SupplyWave
 from wildscav.agent import ACTION_FIELDS
 from wildscav.errors import AgentError
 from wildscav.proto.match_pb2 import Observation as ObservationMessage
@@ -50,9 +52,14 @@ def test_every_action_that_may_be_played_arrives(
     assert got["look"] == look or (abs(look) > 360.0 and got["look"] == math.copysign(360.0, look))
 
 
-@pytest.mark.parametrize("name", ["walk_direction", "walk_speed", "turn", "look"])
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e39])
-def test_a_number_that_is_not_finite_in_32_bits_makes_no_action(name: str, value: float) -> None:
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *product(("walk_direction", "walk_speed", "turn", "look"), (math.nan, math.inf, -math.inf, 1e39)),
+        *(("walk_speed", 10.01), ("walk_speed", -0.01)),
+    ],
+)
+def test_a_number_out_of_range_or_not_finite_in_32_bits_makes_no_action(name: str, value: float) -> None:
     message = encode_action(0, Action(**{name: value})).action
     assert decode_action(message, outside=()).row is None
 
@@ -92,27 +99,8 @@ def test_a_tensor_that_contradicts_itself_is_refused(tensor: Tensor, message: st
 
 
 def test_a_match_info_arrives() -> None:
-    info = MatchInfo(
-        track="gathering",
-        seat=2,
-        seats=10,
-        team=3,
-        time_limit=600.0,
-        frames_per_action=5,
-        map_size=500.0,
-        start=(1.5, -2.25, 3.125),
-        target=None,
-        supply_waves=(SupplyWave(0.0, (20.0, -20.0), 30.0), SupplyWave(60.0, (1.0, 2.0), 50.0)),
-        seed=2**63 - 1,
-        step_budget=0.1,
-        time_bank=30.0,
-        target_distance=1.0,
-        pick_up_distance=1.5,
-        supply_sight=20.0,
-        clip_size=15,
-        start_health=100,
-        clock="paused",
-    )
+    waves = SupplyWave(0.0, (20.0, -20.0), 30.0), SupplyWave(60.0, (1.0, 2.0), 50.0)
+    info = match_info(start=(1.5, -2.25, 3.125), supply_waves=waves, seed=2**63 - 1, clock="paused")
     assert decode_match_info(encode_match_info(info).match_info) == info
     assert info.step_time == 0.1
 
