@@ -1,4 +1,4 @@
-"""Who beats whom: the table of robots in docs/rules.md, played in process.
+"""Who beats whom: the table of robots in benchmarks/results/baselines.md, played in process.
 
 Each row is one kind of match, in which sides of robots of one kind each meet. Sides are teams, or everybody
 is alone: then a side wins a battle by the supplies of all its seats, and a royale by its share of those in

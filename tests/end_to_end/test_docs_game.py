@@ -12,7 +12,6 @@ from wildscav_engine.simulation.setup.drawn_starts import START_DISTANCE, TARGET
 from wildscav_engine.simulation.setup.match_setup import SPARE_SLOTS
 from wildscav_engine.simulation.systems.damage import RESPAWN_DISTANCE
 from wildscav_engine.simulation.systems.visibility import AGENT_LIMIT, ASPECT, SUPPLY_LIMIT
-from wildscav_engine.specs.body import BODY_HEIGHT, BODY_RADIUS, EYE_HEIGHT
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND, NAMED, Rules, Senses
 from wildscav_engine.specs.supply_config import HotSpot, SupplyConfig, SupplyWave
@@ -21,8 +20,10 @@ from wildscav_engine.tracks.rewards import REWARD_TERMS
 from wildscav_engine.tracks.royale import DAMAGES, SHARES, SHRINK, WAIT
 
 PAGE = (Path(__file__).parents[2] / "docs" / "rules.md").read_text("utf-8").partition("## Combat")[2]
-ROW = re.compile(r"^\| (?P<rule>[^|]+) \| (?P<value>[^|]+) \| (?P<unit>[^|]*)\| (?P<where>[^|]+) \|$", re.M)
-ROWS = {row["rule"]: row for row in ROW.finditer(PAGE) if row["rule"] != "rule"}
+ROW = re.compile(
+    r"^\| (?P<rule>[^|]+) \| (?P<value>[^| ]+?)°?(?: [^|]+)? \| (?P<where>constant|`\w+\.\w+`) \|$", re.M
+)
+ROWS = {row["rule"]: row for row in ROW.finditer(PAGE)}
 HOLDERS = {
     "HotSpot": HotSpot(),
     "MatchSpec": MatchSpec(track="battle"),
@@ -31,9 +32,6 @@ HOLDERS = {
     "SupplyWave": SupplyWave(),
 }
 CONSTANTS = {
-    "height of the body": BODY_HEIGHT,
-    "radius of the body": BODY_RADIUS,
-    "height of the eye": EYE_HEIGHT,
     "distance from living agents at a respawn": RESPAWN_DISTANCE,
     "distance between places indoors": SUPPLY_SPACING,
     "frames in a second of game time": FRAMES_PER_SECOND,
