@@ -1,7 +1,7 @@
 """The spec of a match: everything that determines it, apart from its actions."""
 
 from functools import cache
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Protocol, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
@@ -36,10 +36,31 @@ class SeatEquipment(NamedTuple):
     shot_damage: int  # hp per hit
 
 
-# Of ``Track``, of ``Measure`` and of levels of ``Robot``, which a lower layer cannot import.
-_TRACKS: Registry[Any] = Registry("wildscav.tracks")
-_METRICS: Registry[Any] = Registry("wildscav.metrics")
-_ROBOTS: Registry[Any] = Registry("wildscav.robots")
+class Named(Protocol):
+    """What a spec needs to know about a metric or a robot; it is in a lower layer and imports neither."""
+
+    @property
+    def name(self) -> str:
+        """The name in a spec."""
+
+
+class TrackRules(Protocol):
+    """What a spec needs to know about its track; see ``simulation/track.py``."""
+
+    has_target: bool
+    has_supplies: bool
+    has_supply_goal: bool
+    has_zone: bool
+    metrics: tuple[Named, ...]
+    slow_metrics: tuple[Named, ...]
+
+    def teams(self, seats: int) -> tuple[int, ...]:
+        """Return the default team of each seat."""
+
+
+_TRACKS: Registry[TrackRules] = Registry("wildscav.tracks")
+_METRICS: Registry[object] = Registry("wildscav.metrics")
+_ROBOTS: Registry[tuple[Named, ...]] = Registry("wildscav.robots")
 
 
 @cache
@@ -117,10 +138,7 @@ class MatchSpec(Spec):
     @property
     def team_of_seats(self) -> tuple[int, ...]:
         """The team of each seat."""
-        if self.teams is not None:
-            return self.teams
-        of_track: tuple[int, ...] = _TRACKS[self.track].teams(len(self.seats))
-        return of_track
+        return self.teams if self.teams is not None else _TRACKS[self.track].teams(len(self.seats))
 
     @model_validator(mode="after")
     def _names_exist(self) -> Self:

@@ -2,17 +2,17 @@
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, ValidationInfo, model_serializer
 
 from wildscav_engine.specs.base import Spec
 
 Percent = Annotated[float, Field(ge=0, le=100)]
 
 
-def ascending(pair: tuple[int, int]) -> tuple[int, int]:
+def ascending(pair: tuple[int, int], info: ValidationInfo) -> tuple[int, int]:
     """Check the least and the greatest of a range."""
     if pair[0] > pair[1]:
-        raise ValueError(f"{pair}: the first number must not be above the second")
+        raise ValueError(f"{info.field_name} is {pair}: the first number must not be above the second")
     return pair
 
 

@@ -33,6 +33,8 @@ def _description(detail: "ErrorDetails") -> str:
     if detail["type"] == "missing" and isinstance(last, int):  # of an array that is too short
         place = place[:-1]
         message = f"must have at least {last + 1} values, not {_shortened_repr(detail['input'])}"
+    elif message.startswith(f"{last} is "):  # its validator has named the field
+        place = place[:-1]
     field = ".".join(_shortened(str(part)) for part in place)
     if detail["type"] not in {"missing", "extra_forbidden", "value_error"}:
         message += f", not {_shortened_repr(detail['input'])}"

@@ -33,7 +33,10 @@ from wildscav_engine.specs.validation import one_line
         ({"rules": {"turn_speed": 0}}, "rules.turn_speed: Input should be greater than 0"),
         ({"rules": {"spread": -1}}, "rules.spread: Input should be greater than"),
         ({"map": {"config": {"size": 41}}}, "map.config.size"),
-        ({"map": {"config": {"storeys": [3, 1]}}}, "storeys: (3, 1): the first number must not"),
+        (
+            {"map": {"config": {"storeys": [3, 1]}}},
+            "map.config: storeys is (3, 1): the first number must not",
+        ),
         ({"clock": "stopped"}, "clock: Input should be 'bank', 'paused', 'running' or 'tokens'"),
         ({"speed": 3}, "speed: Extra inputs are not permitted"),
         ({"start": [0, 0, float("nan")]}, "start.2"),

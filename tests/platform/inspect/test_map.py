@@ -83,7 +83,10 @@ def test_options_stand_over_the_file_and_a_file_may_be_toml(wildscav_map: Run, t
         (["show", "--size", "30"], "size: Input should be greater than or equal to 40, not 30"),
         (["show", "--density", "medium"], "density: Input should be 'low' or 'high', not 'medium'"),
         (["show", "--storeys", "many"], "storeys is 'many', must be a number from 1 to 4, or a range such"),
-        (["show", "--storeys", "3-2"], "storeys: (3, 2): the first number must not be above the second"),
+        (
+            ["show", "--storeys", "3-2"],
+            "storeys is (3, 2): the first number must not be above the second",
+        ),
         (["info", "--size", "60", "--houses", "200"], "houses is 200"),
         (["show", *map(str, SMALL), "--storey", "9"], "storey is 9, must be 1 to"),
         (["show", *map(str, SMALL), "--width", "9"], "width is 9, must be 300 to 8000 pixels"),
