@@ -171,9 +171,16 @@ class BatchedArena(ManyMatches):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **options: Unpack[EnvOptions],
     ) -> None:
-        """Create B matches of a track, with the fields of ``EnvOptions``; ValueError if one is invalid.
+        """Create the environments.
 
-        ``agents`` is the number of learners in a match.
+        Args:
+            track: A name in ``tracks.TRACKS``.
+            matches: The number of matches.
+            autoreset_mode: When a match that has ended is reset.
+            options: The fields of ``EnvOptions``; ``agents`` is the number of learners in a match.
+
+        Raises:
+            ValueError: An option is invalid.
         """
         self.config = multi_agent_config(track, options)
         if matches < 1:

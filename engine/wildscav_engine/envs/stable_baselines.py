@@ -22,7 +22,16 @@ class StableVector(VecEnv):
     _actions: Any = None
 
     def __init__(self, track: str, num_envs: int, **options: Unpack[EnvOptions]) -> None:
-        """Create N environments of a track with the fields of ``EnvOptions``; ValueError if one is wrong."""
+        """Create the environments.
+
+        Args:
+            track: A name in ``tracks.TRACKS``.
+            num_envs: The number of matches.
+            options: The fields of ``EnvOptions``.
+
+        Raises:
+            ValueError: An option is invalid.
+        """
         self.vector = VectorArena(track, num_envs, autoreset_mode="SameStep", **options)
         super().__init__(num_envs, self.vector.single_observation_space, self.vector.single_action_space)
         self.metadata["render_fps"] = self.vector.metadata["render_fps"]  # for videos

@@ -35,7 +35,17 @@ class VectorArena(ManyMatches, VectorEnv[Observation, Any, NDArray[Any]]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **options: Unpack[EnvOptions],
     ) -> None:
-        """Create N environments of a track with the fields of ``EnvOptions``; ValueError if one is wrong."""
+        """Create the environments.
+
+        Args:
+            track: A name in ``tracks.TRACKS``.
+            num_envs: The number of matches.
+            autoreset_mode: When a match that has ended is reset.
+            options: The fields of ``EnvOptions``.
+
+        Raises:
+            ValueError: An option is invalid.
+        """
         self.config = single_agent_config(track, options)
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}, must be at least 1")

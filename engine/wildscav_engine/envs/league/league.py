@@ -141,7 +141,11 @@ class League(Sampler):
     # Its choices.
 
     def probabilities(self) -> dict[str, float]:
-        """Return the probability of each opponent to fill a seat in the next episode, or LeagueError."""
+        """Return the probability of each opponent to fill a seat in the next episode.
+
+        Raises:
+            LeagueError: The league is empty.
+        """
         if not self._members and not self._robots:
             raise LeagueError("the league is empty: add a policy, or give it robots")
         latest = self.settings.latest_share if self._members else 0.0

@@ -125,9 +125,10 @@ class Renderer:
 
 
 def mark_agents(picture: NDArray[np.uint8], agents: Agents, height: float, *, tangent_of_half: float) -> None:
-    """Mark the living agents in a picture (height, width, 3) from above the middle, north at the top.
+    """Mark the living agents of one match in a picture (height, width, 3), in place.
 
-    The camera is at a height in m, and has twice the angle of view whose tangent is given.
+    The camera is above the middle of the map at a height in m, with north at the top. ``tangent_of_half`` is
+    that of half its horizontal angle of view.
     """
     rows, columns = picture.shape[:2]
     size = max(MIN_SIZE, SIZE * max(rows, columns))

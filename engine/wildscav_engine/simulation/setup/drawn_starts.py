@@ -32,8 +32,8 @@ def draw_starts(
 ) -> int:
     """Draw the starts (A, 3) m that are not placed from a map's places (N, 3) m, apart from each other.
 
-    If no draw is far enough from the other starts, the start is the place farthest from them. All are placed
-    afterwards, unless a seat would start inside another: the first of these is returned, else ALL_PLACED.
+    If no draw is far enough from the other starts, the start is the place farthest from them. Writes
+    ``starts`` and ``is_placed`` (A,), until a seat would start inside another; returns it, or ALL_PLACED.
     """
     for seat in range(starts.shape[0]):
         if is_placed[seat]:

@@ -29,7 +29,7 @@ def rank_teams(agents: Agents, matches: Matches, match: int) -> None:
 
 @kernel
 def current_placement(placement: int, teams_left: int, over: bool) -> int:
-    """Return the current placement of a team; the one with which it was eliminated is 0 while it is left.
+    """Return the current placement of a team; ``placement`` is its final one, 0 while it is left.
 
     Teams that share a placement get the best one of theirs. All teams left when the match is over are
     therefore first. Until then, a team that is left is ranked directly before those that are eliminated.

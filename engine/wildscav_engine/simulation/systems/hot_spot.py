@@ -78,9 +78,9 @@ def draw_place(
 def choose_around(
     outdoor: NDArray[np.float64], x: float, z: float, radius: float, boxes: int, seed: Word, number: int
 ) -> NDArray[np.int64]:
-    """Return (N,) the outdoor locations, of (O, 3) m, that get a box at a place of the hot spot, in m.
+    """Return (N,) the indices of the outdoor locations (O, 3) m that get a box around a place (x, z) m.
 
-    They differ. There are fewer than ``boxes`` where there is too little open ground. The radius is the
+    They differ. There are fewer than ``boxes`` where there is too little open ground. The radius, m, is the
     standard deviation of the heat map.
     """
     near, count, reach = np.empty(outdoor.shape[0], np.int64), 0, REACH * radius

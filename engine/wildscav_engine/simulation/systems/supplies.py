@@ -40,10 +40,10 @@ def choose_outdoor(
     seed: Word,
     wave: int,
 ) -> NDArray[np.int64]:
-    """Return (N,) ascending, the outdoor locations, of (O, 3) m, that get a box in a wave.
+    """Return (N,) the indices of the outdoor locations (O, 3) m that get a box in a wave, ascending.
 
-    The first location in a square of the grid represents its grid point. The spacing of the grid, the center
-    and the radius of the heat map are in m, and the richness is that at the center in percent.
+    The first location in a square of the grid represents its grid point. The spacing of the grid is in m, as
+    are the center and the radius (a standard deviation) of the heat map; the richness is its center's, in %.
     """
     lowest_x, lowest_z = np.floor(outdoor[:, 0].min() / spacing), np.floor(outdoor[:, 2].min() / spacing)
     columns = int(np.floor(outdoor[:, 0].max() / spacing) - lowest_x) + 1
