@@ -103,6 +103,7 @@ def test_several_learners_have_it_too() -> None:
     env.set_options(**changes)
     batch.set_options(**changes)
     assert env.config == batch.config
+    assert env.config.time_limit == 0.4
     observations, arrays = env.reset(seed=3)[0], batch.reset(seed=3)
     np.testing.assert_array_equal(observations["agent_1"]["position"], arrays["position"][0, 1])  # type: ignore[call-overload, index]
     assert set(env.fork().config.reward_weights.values()) == {0.0}

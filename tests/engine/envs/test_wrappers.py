@@ -22,6 +22,17 @@ def test_flat_environments_pass_gymnasiums_own_test(track: str) -> None:
     check_env(env, skip_render_check=True)
 
 
+@pytest.mark.parametrize("track", TRACK_NAMES)
+def test_environments_are_flat_as_the_wrapper_makes_them(track: str) -> None:
+    sensors = {**SENSORS, "segmentation": {"width": 4, "height": 3}, "compass": {}}
+    made = options(track, sensors=sensors, action_mode="box", version=1)
+    wrapped, flat = FlatObservations(SingleEnv(track, **made)), SingleEnv(track, **made, flat=True)  # type: ignore[arg-type]
+    assert wrapped.observation_space == flat.observation_space
+    np.testing.assert_array_equal(wrapped.reset(seed=1)[0], flat.reset(seed=1)[0])
+    action = np.ones(flat.action_space.shape, np.float32)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(wrapped.step(action)[0], flat.step(action)[0])
+
+
 def test_flat_numbers_are_those_of_the_dict_over_what_is_usual() -> None:
     env = SingleEnv("navigation", **options("navigation", sensors=SENSORS))
     observation, _ = env.reset(seed=1)

@@ -1,7 +1,9 @@
 """Records may be anybody's: whatever is in them, to read one has a price that is known."""
 
+import os
 import tracemalloc
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,9 +11,11 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from wildscav_engine.record import (
+    FILE_LIMIT,
     Record,
     RecordError,
     check_recordable,
+    read_record,
     record_of,
     verify_record,
 )
@@ -89,6 +93,16 @@ def test_half_a_million_faults_are_one_short_line(record: Record) -> None:
     with pytest.raises(RecordError, match="500,002 of its values are invalid") as caught:
         decode(pack(LAYOUT, header, b""))
     assert len(str(caught.value)) < 200
+
+
+def test_what_is_no_plain_file_is_not_waited_for_and_a_long_one_is_not_read(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.wsr")
+    with pytest.raises(RecordError, match=r"pipe\.wsr: cannot be read: it is not a plain file"):
+        read_record(tmp_path / "pipe.wsr")
+    with (tmp_path / "long.wsr").open("wb") as file:
+        file.truncate(FILE_LIMIT + 1)
+    with pytest.raises(RecordError, match="cannot be read: it has more than 136,314,880 bytes"):
+        read_record(tmp_path / "long.wsr")
 
 
 def test_a_match_is_refused_whose_record_could_not_be_read_again() -> None:

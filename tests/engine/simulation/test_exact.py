@@ -128,7 +128,14 @@ def test_a_map_that_cannot_be_made_is_a_match_that_cannot_be_set_up() -> None:
 
 
 @pytest.mark.parametrize(
-    "rows", [*map(np.zeros, ((2, 4, 8), (2, 6, 8), (1, 5, 8), 80)), np.zeros((2, 5, 8), complex)]
+    "rows",
+    [
+        np.zeros((2, 4, 8)),
+        np.zeros((2, 6, 8)),
+        np.zeros((1, 5, 8)),
+        np.zeros(80),
+        np.zeros((2, 5, 8), complex),
+    ],
 )
 def test_actions_of_another_shape_are_refused_before_a_kernel_sees_them(rows: np.ndarray) -> None:
     batch = Batch([specs(3)[2]] * 2)

@@ -35,17 +35,22 @@ def test_the_dead_do_not_come_back() -> None:
 
 
 @pytest.mark.parametrize(
-    ("teams", "deaths", "placements"),
+    ("teams", "deaths", "placements", "points"),
     [
-        ((0, 1, 2), ([2], [0]), [2, 1, 3]),  # the last one standing wins
-        ((0, 1, 2), ([0, 2],), [2, 1, 2]),  # teams that go out in one frame share their placement
-        ((0, 1), ([0, 1],), [1, 1]),  # all who die together are first
-        ((0, 0, 1, 1), ([0], [2, 3]), [1, 1, 2, 2]),  # a team is in as long as one of it lives
-        ((0, 0), ([0], [1]), [1, 1]),  # one team alone plays until it is out
+        ((0, 1, 2), ([2], [0]), [2, 1, 3], [50, 100, 0]),  # the last one standing wins
+        ((0, 1, 2), ([0, 2],), [2, 1, 2], [50, 100, 50]),  # teams that go out together share their placement
+        ((0, 1), ([0, 1],), [1, 1], [100, 100]),  # all who die together are first
+        (
+            (0, 0, 1, 1),
+            ([0], [2, 3]),
+            [1, 1, 2, 2],
+            [100, 100, 0, 0],
+        ),  # a team is in as long as one of it lives
+        ((0, 0), ([0], [1]), [1, 1], [0, 0]),  # one team alone plays until it is out
     ],
 )
 def test_the_match_ends_with_the_last_of_these_deaths(
-    teams: tuple[int, ...], deaths: tuple[list[int], ...], placements: list[int]
+    teams: tuple[int, ...], deaths: tuple[list[int], ...], placements: list[int], points: list[float]
 ) -> None:
     match = royale(len(teams), teams=teams)
     for seats in deaths:
@@ -55,8 +60,6 @@ def test_the_match_ends_with_the_last_of_these_deaths(
     result = match.result()
     assert result.ending == "last_standing"
     assert [seat.metrics["placement"] for seat in result.seats] == placements
-    others = max(teams)
-    points = [100 * (others + 1 - place) / others if others else 0 for place in placements]
     assert [seat.metrics["points"] for seat in result.seats] == points
 
 

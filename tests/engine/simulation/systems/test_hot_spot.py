@@ -36,6 +36,7 @@ def test_every_place_gets_its_boxes_where_and_when_they_are_announced(country: G
     assert [wave.time for wave in waves] == [2.0, 7.0, 12.0, 17.0]
     assert {wave.radius for wave in waves} == {6.0}
     assert len({wave.center for wave in waves}) > 1
+    assert (supplies.quantity[0] > 0).sum() == 4 * 7
     assert set(supplies.quantity[0][supplies.quantity[0] > 0]) == {3, 4, 5}
     for wave in waves:
         now = (supplies.quantity[0] > 0) & (supplies.appears[0] == wave.time * FRAMES_PER_SECOND)

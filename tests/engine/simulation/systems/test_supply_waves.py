@@ -1,5 +1,6 @@
 """Rulings on where supply boxes are put, when they appear, and how much they hold."""
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -170,6 +171,12 @@ def test_boxes_thin_out_with_the_distance_as_the_rules_say(meadow: GameMap, spac
         boxes = boxes_of(meadow, wave, spacing, seed)
         counts += np.histogram(np.hypot(boxes[:, 0] - 10.0, boxes[:, 2] + 5.0), rings)[0]
     assert (np.abs(counts - seeds * expected) < 4.0 * np.sqrt(seeds * spread)).all(), (counts, expected)
+
+
+def test_a_grid_wider_than_the_places_lie_apart_needs_no_others(meadow: GameMap) -> None:
+    fresh = replace(meadow)
+    boxes_of(fresh, SupplyWave(center=(0.0, 0.0)), 5.0)
+    assert "ground_points" not in vars(fresh)
 
 
 def test_boxes_of_a_fine_grid_lie_where_one_gets_to_and_away() -> None:

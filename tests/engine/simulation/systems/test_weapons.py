@@ -1,6 +1,6 @@
 """Rulings on the weapon: what a shot costs, hits and stops at."""
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -29,27 +29,41 @@ RELOAD: dict[str, float] = {"reload": 1}
 BOTH = {**SHOOT, **RELOAD}
 
 
+class Then(NamedTuple):
+    """What an action is held for, and what the agent has afterwards."""
+
+    steps: int
+    action: dict[str, float]
+    clip: int
+    spare: int
+    shots: int
+
+
 @pytest.mark.parametrize(
     ("frames", "spare", "moves"),
     [
-        (5, 60, [(10, SHOOT, (10, 60, 5))]),  # it fires five times a second
-        (5, 60, [(1, RELOAD, (15, 60, 0)), (1, SHOOT, (14, 60, 1))]),  # a full clip is not reloaded
+        (5, 60, [Then(10, SHOOT, 10, 60, 5)]),  # it fires five times a second
+        (5, 60, [Then(1, RELOAD, 15, 60, 0), Then(1, SHOOT, 14, 60, 1)]),  # a full clip is not reloaded
         # An empty clip is silent until a reload is done.
-        (5, 60, [(40, SHOOT, (0, 60, 15)), (1, RELOAD, (0, 60, 15)), (18, SHOOT, (0, 60, 15))]),
-        (5, 60, [(40, SHOOT, (0, 60, 15)), (1, RELOAD, (0, 60, 15)), (21, SHOOT, (14, 45, 16))]),
-        (5, 4, [(40, SHOOT, (0, 4, 15)), (21, RELOAD, (4, 0, 15))]),  # no more rounds than there are
+        (5, 60, [Then(40, SHOOT, 0, 60, 15), Then(1, RELOAD, 0, 60, 15), Then(18, SHOOT, 0, 60, 15)]),
+        (5, 60, [Then(40, SHOOT, 0, 60, 15), Then(1, RELOAD, 0, 60, 15), Then(21, SHOOT, 14, 45, 16)]),
+        (5, 4, [Then(40, SHOOT, 0, 4, 15), Then(21, RELOAD, 4, 0, 15)]),  # no more rounds than there are
         # An action is held: as long as it asks for a reload, one follows whenever the clip is not full.
-        (5, 60, [(1, SHOOT, (14, 60, 1)), (20, BOTH, (14, 60, 1)), (60, BOTH, (14, 57, 4))]),
+        (5, 60, [Then(1, SHOOT, 14, 60, 1), Then(20, BOTH, 14, 60, 1), Then(60, BOTH, 14, 57, 4)]),
         # A reload takes two seconds to the frame, and cannot be hurried.
-        (1, 60, [(1, SHOOT, (14, 60, 1)), (100, BOTH, (14, 60, 1)), (1, RELOAD, (15, 59, 1))]),
+        (1, 60, [Then(1, SHOOT, 14, 60, 1), Then(100, BOTH, 14, 60, 1), Then(1, RELOAD, 15, 59, 1)]),
     ],
 )
-def test_rounds_in_the_clip_and_spare_and_shots(frames: int, spare: int, moves: list[Any]) -> None:
+def test_rounds_in_the_clip_and_spare_and_shots(frames: int, spare: int, moves: list[Then]) -> None:
     match = duel(rules=Rules(shot_damage=0, spare_ammo=spare), frames_per_action=frames)
     agents = match.state.agents
-    for steps, action, wanted in moves:
-        act(match, steps, seat_0=action)
-        assert (agents.clip[0, 0], agents.spare_ammo[0, 0], agents.shots[0, 0]) == wanted
+    for move in moves:
+        act(match, move.steps, seat_0=move.action)
+        assert (agents.clip[0, 0], agents.spare_ammo[0, 0], agents.shots[0, 0]) == (
+            move.clip,
+            move.spare,
+            move.shots,
+        )
 
 
 def at(height: float) -> float:
