@@ -4,6 +4,7 @@ import json
 import os
 import platform
 import resource
+import socket
 import time
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
@@ -42,12 +43,19 @@ def many(step: Callable[[int], object], steps: int) -> Callable[[], None]:
 
 
 def in_turns(
-    works: Sequence[Callable[[], object]], rounds: int, clock: Callable[[], float] = time.perf_counter
+    works: Sequence[Callable[[], object]],
+    rounds: int,
+    clock: Callable[[], float] = time.perf_counter,
+    before: Callable[[], object] = lambda: None,
 ) -> NDArray[np.float64]:
-    """Return (rounds, works) s that works take, in turns: all see the same load. One more round warms up."""
+    """Return (rounds, works) s that works take, in turns: all see the same load. One more round warms up.
+
+    What is done ``before`` each of them is not counted.
+    """
     taken = np.empty((rounds + 1, len(works)))
     for row in taken:
         for place, work in enumerate(works):
+            before()
             started = clock()
             work()
             row[place] = clock() - started
@@ -64,6 +72,25 @@ def time_of_children() -> float:
     """Return the processor time of the processes that were started here and have ended, s."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
+
+
+def processor_time(process: int) -> float:
+    """Return the processor time that a process has used, s."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def children_of(process: int, program: bytes = b"spawn_main") -> list[int]:
+    """Return the processes that a process started with a program in Python, such as the web server."""
+    found = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    return [int(one) for one in found if program in Path(f"/proc/{one}/cmdline").read_bytes()]
+
+
+def free_port() -> int:
+    """Return a port of this machine that nothing listens at."""
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return int(found.getsockname()[1])
 
 
 def publish(title: str, figures: Sequence[Figure], json_file: Path | None) -> None:

@@ -127,8 +127,8 @@ class Pupils(SubmissionOpponent):
         return pupil
 
 
-def play(folder: Path, spec: MatchSpec, lessons: Lessons) -> Steps:
-    """Let copies of a policy play one match, and return their steps, with what the marksman said."""
+def play(folder: Path, spec: MatchSpec, lessons: Lessons) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Let copies of a policy play one match, and return what they saw and what the marksman said."""
     fighters = [seat for seat, name in enumerate(spec.seats) if name == "fighter"]
     seats = np.array([spec.seats.index(SUBMISSION), *fighters[: lessons.copies - 1]])
     names = [SUBMISSION if seat in seats else name for seat, name in enumerate(spec.seats)]
@@ -142,7 +142,7 @@ def play(folder: Path, spec: MatchSpec, lessons: Lessons) -> Steps:
     random = np.random.default_rng(spec.seed)
     kept = [one for one in pupils.noted if one[2] or random.random() < lessons.peace]
     seen, done = (np.array([one[place] for one in kept]) for place in (0, 1))
-    return Steps(torch.from_numpy(seen.astype(np.float32)), torch.from_numpy(done.astype(np.int64)))
+    return seen.astype(np.float32), done.astype(np.int64)
 
 
 def play_round(folder: Path, number: int, lessons: Lessons) -> Steps:
@@ -151,7 +151,7 @@ def play_round(folder: Path, number: int, lessons: Lessons) -> Steps:
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
         waiting = [pool.submit(play, folder, spec, lessons) for spec in specs]
         played = [one.result() for one in progress(waiting, f"round {number + 1}: playing")]
-    return joined(played)
+    return joined([Steps(*map(torch.from_numpy, columns)) for columns in played])
 
 
 class Marksman(nn.Module):

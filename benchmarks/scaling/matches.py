@@ -7,8 +7,8 @@ import time
 from pathlib import Path
 
 import grpc
+from benchmarks.report import children_of, processor_time
 from benchmarks.services.server import match_spec, start_agent
-from benchmarks.services.service import children_of, processor_time
 
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub

@@ -5,8 +5,9 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
+from benchmarks.report import children_of, free_port, processor_time
 from benchmarks.services.large_season import Size, make_large_season
-from benchmarks.services.service import ask, children_of, free_port, processor_time, served, wait_for
+from benchmarks.services.service import ask, served, wait_for
 from sqlalchemy import delete, select, update
 from tests.leaderboard.results_made import made_result
 

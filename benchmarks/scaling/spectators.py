@@ -14,8 +14,9 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from statistics import median, quantiles
 
+from benchmarks.report import children_of, free_port, processor_time
 from benchmarks.services.large_season import Size, make_large_season
-from benchmarks.services.service import children_of, free_port, processor_time, served, wait_for
+from benchmarks.services.service import served, wait_for
 from sqlalchemy import delete
 
 from wildscav_engine.specs.match_spec import MatchSpec

@@ -18,8 +18,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import typer
-from benchmarks.report import Figure, JsonFile, publish
-from benchmarks.services.service import processor_time
+from benchmarks.report import Figure, JsonFile, processor_time, publish
 
 from wildscav_engine.maps.cache import map_of
 from wildscav_evaluator.executors import Executor

@@ -4,9 +4,8 @@ For comparison, a bare FastAPI application with one route is served with the sam
 """
 
 import asyncio
-import os
+import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -20,7 +19,7 @@ from typing import Annotated
 import httpx
 import numpy as np
 import typer
-from benchmarks.report import Figure, JsonFile, publish
+from benchmarks.report import Figure, JsonFile, children_of, free_port, processor_time, publish
 from benchmarks.services import large_season
 from sqlalchemy import func, select
 
@@ -143,8 +142,12 @@ def main(
 
 def _season(place: Path) -> Season:
     """Return the season; make it if it is not there."""
-    folder = place / "season"
-    return Season.open(folder) if folder.exists() else large_season.make_large_season(folder, free_port())
+    folder, part = place / "season", place / "season.part"
+    if not folder.exists():
+        shutil.rmtree(part, ignore_errors=True)  # of a run that was interrupted
+        large_season.make_large_season(part, free_port())
+        part.rename(folder)
+    return Season.open(folder)
 
 
 def _refreshing(season: Season) -> list[Figure]:
@@ -180,12 +183,6 @@ def _page(name: str, port: int, path: str, seconds: float, hello: Load, server: 
         Figure(f"{name}: sustained", most.rate, "requests/s", ratio),
         Figure(f"{name}: processor time", used, "ms"),
     ]
-
-
-def processor_time(process: int) -> float:
-    """Return the processor time that a process has used, s."""
-    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 @contextmanager
@@ -231,19 +228,6 @@ def _wait_for_conductor(season: Season) -> None:
                 return
         time.sleep(0.5)
     raise TimeoutError("nobody conducts the season")
-
-
-def children_of(process: int, program: bytes = b"spawn_main") -> list[int]:
-    """Return the processes that a process started with a program in Python, such as the web server."""
-    found = Path(f"/proc/{process}/task/{process}/children").read_text().split()
-    return [int(one) for one in found if program in Path(f"/proc/{one}/cmdline").read_bytes()]
-
-
-def free_port() -> int:
-    """Return a port of this machine that nothing listens at."""
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return int(found.getsockname()[1])
 
 
 if __name__ == "__main__":

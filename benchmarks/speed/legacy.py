@@ -11,8 +11,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from benchmarks.report import Figure, JsonFile, publish
-from benchmarks.services.service import free_port
+from benchmarks.report import Figure, JsonFile, free_port, publish
 
 from wildscav_engine.compilation.caching.cache_folders import cache_root
 from wildscav_legacy.install import PROGRAM, install_engine, install_maps, missing_maps

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
-from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera, Lidar
+from wildscav_engine.sensors import SENSORS, ColorCamera, DepthCamera, Lidar, Screen
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -34,6 +34,7 @@ PICTURES = ((640, 360), (84, 84))
 EVERY = 8  # of how many poses a picture is taken at one
 ROUNDS = 20  # over all poses
 TIMES_FOR_THREADS = 8  # repetitions of the poses in a batch for threads
+SCREENS = ((160, 120), (640, 360))
 SENSOR_ROUNDS = 7  # of each sensor
 EYES = 1.5  # m above the ground
 STEEPEST = 30.0  # degrees up and down
@@ -67,16 +68,13 @@ def race(game_map: GameMap, tracer: Tracer, poses: Poses, size: tuple[int, int])
     """Measure one size of images: in each round all poses by Embree, by ours one by one, by ours at once."""
     camera, count = DepthCamera(*size, FAR), len(poses.yaws)
     reach = np.full(size[0] * size[1], FAR, np.float32)
-    embree = [
-        # It writes its answers into what it is given as reach.
-        partial(lambda rays: tracer.distances(*rays, reach.copy()), rays_of(*pose, *size))
-        for pose in zip(*poses, strict=True)
-    ]
+    embree = [partial(tracer.distances, *rays_of(*pose, *size), reach) for pose in zip(*poses, strict=True)]
     alone = [
         partial(camera.render, game_map, *(array[pose : pose + 1] for array in poses))
         for pose in range(count)
     ]
-    taken = in_turns([*embree, *alone, partial(camera.render, game_map, *poses)], ROUNDS)
+    works = [*embree, *alone, partial(camera.render, game_map, *poses)]
+    taken = in_turns(works, ROUNDS, before=partial(reach.fill, FAR))  # Embree writes its answers there
     return _figures(f"{size[0]} × {size[1]}", taken[:, :count], taken[:, count:-1], taken[:, -1] / count)
 
 
@@ -109,13 +107,15 @@ def lidar_figures(game_map: GameMap, tracer: Tracer, poses: Poses) -> list[Figur
     """Measure LIDAR at its defaults as ``race`` measures depth maps: by Embree, and by ours at once."""
     lidar = Lidar()
     rays = [lidar_rays(lidar, *pose) for pose in zip(poses.positions, poses.yaws, strict=True)]
-    reach = np.full(lidar.rays, lidar.range, np.float32)
+    reaches = np.empty((len(rays), lidar.rays), np.float32)
 
     def embree() -> None:
-        for origins, ways in rays:
-            tracer.distances(origins, ways, reach.copy())  # it writes its answers there
+        for (origins, ways), reach in zip(rays, reaches, strict=True):
+            tracer.distances(origins, ways, reach)
 
-    theirs, ours = in_turns([embree, partial(lidar.render, game_map, *poses)], SENSOR_ROUNDS).T / len(rays)
+    works = [embree, partial(lidar.render, game_map, *poses)]
+    refill = partial(reaches.fill, lidar.range)  # Embree writes its answers there
+    theirs, ours = in_turns(works, SENSOR_ROUNDS, before=refill).T / len(rays)
     name = f"lidar, {lidar.channels} × {lidar.azimuths}, all"
     return [
         _microseconds(f"{name}: embreex", theirs),
@@ -190,6 +190,21 @@ def sensor_figures(game_map: GameMap, poses: Poses) -> list[Figure]:
     return figures
 
 
+def display_figures(game_map: GameMap) -> list[Figure]:
+    """Measure what a screen costs more than the camera, in processor time: the best of the rounds."""
+    match = Match(MatchSpec(track="battle", map=game_map.spec, seats=("submission",) * VIEWERS), game_map)
+    match.state.agents.hit_by_seat[0] = 0  # a red frame, the most that is drawn
+    figures = []
+    for width, height in SCREENS:
+        screen, rounds = Screen(width=width, height=height), 20 * SENSOR_ROUNDS
+        pictures = np.zeros((1, VIEWERS, *screen.shape), np.uint8)
+        draw = partial(screen.draw_over, match.state, match.seen, "battle", np.arange(VIEWERS), pictures)
+        each = float(in_turns([draw], rounds, time.thread_time).min()) / VIEWERS * 1e6
+        name = f"screen over camera, {width} × {height}, {VIEWERS} agents a call, each"
+        figures.append(Figure(name, each, "µs", f"best of {rounds} rounds"))
+    return figures
+
+
 def describe(game_map: GameMap, mesh: Mesh) -> str:
     """Describe a map by the numbers of its objects."""
     kinds = game_map.world.solid_kind
@@ -222,6 +237,7 @@ def main(check_only: CheckOnly = False, json_file: JsonFile = None) -> None:
     figures += lidar_figures(game_map, tracer, poses)
     figures += picture_figures(game_map, poses)
     figures += sensor_figures(game_map, poses)
+    figures += display_figures(game_map)
     figures += thread_figures(game_map, poses, cores)
     publish(f"Images on one core, far {FAR:g} m ({where})", figures, json_file)
 

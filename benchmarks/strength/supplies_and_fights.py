@@ -7,6 +7,7 @@ first with each of the others, match by match. ``robot:fighter`` is the robot of
 """
 
 import contextlib
+import math
 import statistics
 from collections.abc import Callable
 from operator import attrgetter
@@ -19,8 +20,7 @@ from rich.progress import track as progress
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_evaluator.suites.suite import suite
 from wildscav_training.opponents import submission
-from wildscav_training.trials import mean as mean_of
-from wildscav_training.trials import play_out
+from wildscav_training.trials import half_width, play_out
 
 FIRST_SEED = 100  # of the suite's rounds
 MAPS = 10  # matches of each round, one on each map
@@ -68,6 +68,12 @@ def play(name: str, spec: MatchSpec) -> Played:
     )
 
 
+def interval(values: list[float]) -> str:
+    """Return a mean with its 95 % interval, which has no bounds after one match."""
+    reach = half_width(values) if len(values) > 1 else math.inf
+    return f"{statistics.fmean(values):.1f} ± {reach:.1f}"
+
+
 def row(name: str, played: list[Played], first: list[Played], measure: Callable[[Played], float]) -> str:
     """Return an agent's row of the table."""
 
@@ -76,12 +82,12 @@ def row(name: str, played: list[Played], first: list[Played], measure: Callable[
 
     def lead(of: Callable[[Played], float]) -> str:
         ahead = [of(ours) - of(theirs) for ours, theirs in zip(first, played, strict=True)]
-        return "" if played is first else mean_of(ahead, digits=1)
+        return "" if played is first else interval(ahead)
 
     cells = [
         f"`{name}`",
         str(len(played)),
-        mean_of(list(map(measure, played)), digits=1),
+        interval(list(map(measure, played))),
         lead(measure),
         f"{mean(lambda one: one.kills):.1f}",
         lead(lambda one: one.kills),
