@@ -21,7 +21,7 @@ def preparing(console: Console, *, is_said: bool = False) -> Iterator[None]:
     """Show the progress of preparing the engine: live in a terminal, else as a line if it takes a while.
 
     In a terminal, processes that are started meanwhile print no such line, because it would break the
-    display. Nor is it printed where ``is_said`` that something else, such as a log, reports it already.
+    display. If ``is_said``, no line is printed either: something else, such as a log, reports it.
     """
     with contextlib.ExitStack() as stack:
         if is_said or console.is_terminal:

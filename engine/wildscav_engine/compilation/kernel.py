@@ -69,7 +69,7 @@ class Kernel:
 
         with compiler.global_compiler_lock:  # one function for all threads
             if name not in vars(self):
-                compile_function = getattr(compiler, f"compile_{name}")
+                compile_function = {"inner": compiler.compile_inner, "outer": compiler.compile_outer}[name]
                 vars(self)[name] = compile_function(self._function, self._home, **self._options)
             return vars(self)[name]
 
@@ -120,7 +120,12 @@ def kernel_beside(
 
     It counts as part of that kernel's file, so that both are always compiled again together.
     """
-    return _compiled(function, getattr(other, "__wrapped__", other), _nrt=False)
+    return _compiled(function, plain(other), _nrt=False)
+
+
+def plain(function: Callable[Params, Returned]) -> Callable[Params, Returned]:
+    """Return the function that a kernel was made of, for calls from Python that are not worth compiling."""
+    return function if PLAIN else cast(Kernel, function)._function
 
 
 def specialize(function: Callable[..., Returned], *examples: Any) -> Callable[..., Returned]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wildscav_engine.compilation.kernel import inlined_kernel, kernel
+from wildscav_engine.compilation.kernel import inlined_kernel, kernel, plain
 from wildscav_engine.compilation.passed_tables import ADDRESS, COLUMNS, ITEM, ROWS
 from wildscav_engine.compilation.tables.array_tables import Addresses, addresses_of, reader
 from wildscav_engine.rendering.tracing.scene_arrays import Shapes
@@ -61,7 +61,7 @@ class ObjectSets:
 
     def solids_of(self, match: int) -> Solids:
         """Return the objects of a match, as views."""
-        return _solids_between(self.arrays, self.start[match], self.start[match + 1])
+        return plain(solids_between)(self.arrays, self.start[match], self.start[match + 1])
 
     def __reduce__(self) -> tuple[type["ObjectSets"], tuple[Any, ...]]:
         """Copy and pickle all but the table: copies have other addresses."""
@@ -161,12 +161,20 @@ def _write_address(array: NDArray[Any], row: NDArray[np.int64]) -> None:
         row[ROWS + axis] = array.shape[axis]
 
 
-_SHAPES, _LOOKS = (np.zeros((0, 9)), np.zeros(0, np.int64)), (np.zeros((0, 3)), np.zeros(0, np.int32))
 # A kernel that returns the arrays of ``ObjectSets`` from their table.
-read_objects = reader(ObjectArrays(*gather_solids([]), *_SHAPES, *_LOOKS))
+read_objects = reader(
+    ObjectArrays(
+        *gather_solids([]),
+        obbs=np.zeros((0, 9)),
+        names=np.zeros(0, np.int64),
+        color=np.zeros((0, 3)),
+        instance=np.zeros(0, np.int32),
+    )
+)
 
 
-def _solids_between(objects: ObjectArrays, first: int, last: int) -> Solids:
+@inlined_kernel
+def solids_between(objects: ObjectArrays, first: int, last: int) -> Solids:
     """Return the objects from one index to before another, as views."""
     return Solids(
         objects.kind[first:last],
@@ -178,9 +186,6 @@ def _solids_between(objects: ObjectArrays, first: int, last: int) -> Solids:
         objects.corner_start[first : last + 1],
         objects.corners,
     )
-
-
-solids_between = inlined_kernel(_solids_between)
 
 
 @inlined_kernel

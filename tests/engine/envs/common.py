@@ -12,6 +12,8 @@ from wildscav_engine.tracks import TRACKS
 SMALL = MapSpec(config=MapConfig(size=40, houses=1), seed=7)
 OPEN = MapSpec(config=MapConfig(size=40, houses=0, relief=0, water=0, vegetation=0), seed=1)
 FEW_BOXES = {"waves": [{"center": (0, 0), "radius": 15}], "spacing": 5}
+# It comes to its first place after 0.2 s.
+HOT_SPOT = {"hot_spot": {"start": 0.2, "interval": 1.0, "places": 2, "boxes": 2}}
 # Short enough to reach the end, with few opponents.
 OPTIONS: dict[str, dict[str, Any]] = {
     "navigation": {},

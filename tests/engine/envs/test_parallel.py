@@ -6,7 +6,7 @@ import numpy as np
 import pettingzoo
 import pytest
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, seed_test
-from tests.engine.envs.common import TRACK_NAMES, batch_of, many_options
+from tests.engine.envs.common import FEW_BOXES, HOT_SPOT, TRACK_NAMES, batch_of, many_options
 
 from wildscav_engine.envs import BatchedArena, aec_env, parallel_env
 from wildscav_engine.envs.spaces.actions import MODES, ActionError
@@ -112,10 +112,12 @@ def test_pettingzoo_knows_the_tracks_by_name() -> None:
 
 @pytest.mark.parametrize("track", ["gathering", "royale"])
 def test_batched_matches_are_parallel_ones(track: str) -> None:
-    options = many_options(track, sensors=SENSORS, action_mode="multidiscrete", time_limit=0.6)
+    more = {"sensors": {**SENSORS, "hot_spot": {}}, "supplies": FEW_BOXES | HOT_SPOT, "time_limit": 0.6}
+    options = many_options(track, action_mode="multidiscrete", **more)
     batch = BatchedArena(track, 2, **options)
     alone = [parallel_env(track, **options) for _ in range(2)]
     told = batch.reset(seed=3)
+    assert told["hot_spot"].any()
     starts = [env.reset(seed=3 + row)[0] for row, env in enumerate(alone)]
     batch.action_space.seed(0)
     for _ in range(6):

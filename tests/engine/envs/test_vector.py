@@ -14,7 +14,7 @@ import pytest
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from numpy.typing import NDArray
-from tests.engine.envs.common import SMALL, batch_of, digest, env_id, options, play_alike
+from tests.engine.envs.common import FEW_BOXES, HOT_SPOT, SMALL, batch_of, digest, env_id, options, play_alike
 
 from wildscav_engine.envs.batched import BatchedArena
 from wildscav_engine.envs.single import SingleEnv
@@ -32,12 +32,14 @@ from wildscav_engine.simulation.match_view import MatchView
 from wildscav_engine.simulation.state import State
 from wildscav_engine.simulation.systems.visibility import Seen
 
-SMALL_SENSORS = {"depth": {"width": 4, "height": 3}, "visible_agents": {}}
+SMALL_SENSORS = {"depth": {"width": 4, "height": 3}, "visible_agents": {}, "hot_spot": {}}
 ENVS = 3
 
 
 def chosen(track: str, **more: Any) -> dict[str, Any]:
-    return options(track, sensors=SMALL_SENSORS, action_mode="multidiscrete", time_limit=0.8, **more)
+    supplies = {} if track in ("navigation", "capture") else {"supplies": FEW_BOXES | HOT_SPOT}
+    more |= {"sensors": SMALL_SENSORS, "action_mode": "multidiscrete", "time_limit": 0.8}
+    return options(track, **supplies, **more)
 
 
 EVERY_MODE = product(("navigation", "royale"), AutoresetMode, (1, 2))

@@ -40,8 +40,19 @@ def test_everything_is_done(shared: Callable[..., bool], count: int, least: int,
 @pytest.mark.parametrize("shared", [by_parts, by_turns])
 @pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("failing", [0, 3, 7])
-def test_a_failure_in_any_thread_is_told(shared: Callable[..., bool], threads: int, failing: int) -> None:
+def test_a_failure_at_any_item_is_told(shared: Callable[..., bool], threads: int, failing: int) -> None:
     assert not shared(lambda item: item != failing, 8, threads)
+
+
+@pytest.mark.parametrize("failing", [0, 4])  # the item that each thread begins with
+def test_a_failure_in_any_thread_is_told(failing: int) -> None:
+    begun = threading.Barrier(2)
+
+    def work(turns: Turns) -> bool:
+        begun.wait(60)
+        return bool(turns.order[0] != failing)
+
+    assert not SharedWork(work, 8, 2).finish()
 
 
 def test_each_thread_does_the_same_parts_again() -> None:

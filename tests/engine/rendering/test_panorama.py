@@ -10,6 +10,7 @@ from tests.builders import box, flat_world, map_from
 
 from wildscav_engine.arithmetic.elementary_functions import cosine, sine
 from wildscav_engine.geometry.rays import raycast
+from wildscav_engine.geometry.terrain import ground_at
 from wildscav_engine.maps import generate_map
 from wildscav_engine.maps.game_map import GameMap
 from wildscav_engine.rendering.panorama import divide
@@ -42,8 +43,10 @@ def cast_alone(country: GameMap, eye: tuple[float, float, float], yaw: float, li
 
 
 @given(
-    where=st.sampled_from(["in the open", "in a house", "underground", "outside the map"]),
+    where=st.sampled_from(["anywhere", "in the open", "in a house", "underground", "outside the map"]),
     place=st.integers(0, 10**6),
+    anywhere=st.tuples(st.floats(-29, 29), st.floats(-29, 29)),
+    aside=st.tuples(st.floats(-1, 1), st.floats(-1, 1)),
     up=st.floats(0.3, 9),
     yaw=st.one_of(st.floats(0, 360), st.sampled_from([-45.0, 90.0])),
     azimuths=st.integers(1, 400),
@@ -54,6 +57,8 @@ def test_rays_hit_what_they_hit_alone(
     country: GameMap,
     where: str,
     place: int,
+    anywhere: tuple[float, float],
+    aside: tuple[float, float],
     up: float,
     yaw: float,
     azimuths: int,
@@ -61,9 +66,12 @@ def test_rays_hit_what_they_hit_alone(
     between: tuple[float, float],
 ) -> None:
     places = country.indoor if where == "in a house" else country.outdoor
-    x, y, z = places[place % len(places)]
+    x, y, z = places[place % len(places)] + (aside[0], 0.0, aside[1])
+    if where == "anywhere":
+        x, z = anywhere
+        y = ground_at(country.world, x, z).height
     y += {"in a house": 1.5, "underground": -50.0}.get(where, up)
-    eye = (x + 40.0 * (where == "outside the map"), y, z)
+    eye = (x + 70.0 * (where == "outside the map"), y, z)
     lidar = Lidar(channels, azimuths, range=FAR, lowest=min(between), highest=max(between))
 
     found = lidar.render(country, [eye], [yaw], [0.0])[0]

@@ -120,23 +120,24 @@ def test_rays_through_corners_of_the_terrain(
     check_rays(village, eye, unit(corner - eye, diagonal - eye))
 
 
+@settings(max_examples=25)
 @given(st.integers(0, 10**6), st.floats(0, 1), st.floats(0.2, 15), st.integers(0, 10**6))
 def test_rays_through_edges_and_corners_of_solids(
-    village: Country, triangle: int, share: float, away: float, seed: int
+    country: Country, triangle: int, share: float, away: float, seed: int
 ) -> None:
-    solid = np.flatnonzero(village.surface.solids >= 0)
-    a, b, _ = village.surface.corners[solid[triangle % len(solid)]]
+    solid = np.flatnonzero(country.surface.solids >= 0)
+    a, b, _ = country.surface.corners[solid[triangle % len(solid)]]
     point = a + share * (b - a)
     eye = point + away * unit(np.random.default_rng(seed).normal(size=3))[0]
-    check_rays(village, eye, unit(point - eye, a - eye))
+    check_rays(country, eye, unit(point - eye, a - eye))
 
 
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(st.integers(0, 10**6), st.floats(-180, 180), st.floats(-90, 90))
-def test_rays_from_inside_a_house(village: Country, place: int, yaw: float, pitch: float) -> None:
-    x, y, z = village.map.indoor[place % len(village.map.indoor)]
+def test_rays_from_inside_a_house(country: Country, place: int, yaw: float, pitch: float) -> None:
+    x, y, z = country.map.indoor[place % len(country.map.indoor)]
     ways = directions(View((x, y, z), yaw, pitch))
-    check_rays(village, (x, y + 1.5, z), np.concatenate([ways, -ways]))
+    check_rays(country, (x, y + 1.5, z), np.concatenate([ways, -ways]))
 
 
 @settings(max_examples=25)

@@ -20,8 +20,7 @@ from tests.engine.versions.pins import (
 def test_every_version_gives_what_is_pinned_for_it(name: str) -> None:
     version, pins = VERSIONS[name], read_pins()
     digests = check(version, pins)
-    # New cases are pinned by: python -m tests.engine.versions.pins
-    assert digests.keys() == pinned_for(version, pins).keys()
+    assert digests.keys() == pinned_for(version, pins).keys(), COMMAND
 
 
 def paint(number: int, **colors: str) -> Version:

@@ -125,7 +125,7 @@ def row_reader(like: Arrays) -> Callable[[Addresses, int, int], Arrays]:
 
 
 def number_reader(like: Any) -> Callable[[NDArray[np.float64]], Any]:
-    """Return a kernel that converts (N,) float64 to a NamedTuple of numbers, some whole, like an example."""
+    """Return a kernel that converts (N,) float64 to a NamedTuple, with integers where an example has them."""
 
     def numbers(values: NDArray[np.float64]) -> Any:
         return type(like)(*(type(number)(value) for number, value in zip(like, values, strict=True)))

@@ -30,7 +30,10 @@ def fills_of(like: Any) -> NDArray[np.uint8]:
 
 @kernel
 def clear_rows(table: Addresses, fills: NDArray[np.uint8], rows: NDArray[np.int64]) -> None:
-    """Reset some rows of all arrays of a table to their values in a new batch, given ``fills_of`` it."""
+    """Reset some rows of all arrays of a table to their values in a new batch.
+
+    ``fills`` is what ``fills_of`` returned for the arrays, (F,) a byte for each.
+    """
     for field in range(table.shape[0]):
         size = row_size(table, field)
         for row in rows:
@@ -52,9 +55,9 @@ def row_size(table: Addresses, field: int) -> int:
 def copy_row(
     table: Addresses, row: int, sizes: NDArray[np.int64], content: NDArray[np.uint8], writes: bool
 ) -> None:
-    """Copy so many bytes of a row of every array of a table to a buffer, one after another.
+    """Copy the beginning of a row of every array of a table to a buffer, or back if ``writes`` is true.
 
-    If ``writes``, the row is written from the buffer instead.
+    ``sizes`` is (F,) the bytes of each array; ``content`` is (N,) these bytes, one array after another.
     """
     first = 0
     for field in range(table.shape[0]):

@@ -65,7 +65,7 @@ def footprint(view: View, direction: Vector, distance: float, normal: Vector) ->
 
 
 class Vectors(NamedTuple):
-    """A vector for each pixel of a row, (W,) each: a unit vector, or a place in m."""
+    """A unit vector for each pixel of a row, (W,) each."""
 
     east: NDArray[np.float32]
     up: NDArray[np.float32]
@@ -133,14 +133,28 @@ class Tilts(NamedTuple):
     facing: NDArray[np.float32]  # m of a plane from the eye per m along the view axis
 
 
+class Places(NamedTuple):
+    """Where rays to the light start, slightly off the surfaces of a row, (W,) m each."""
+
+    x: NDArray[np.float32]
+    y: NDArray[np.float32]
+    z: NDArray[np.float32]
+
+
+@inlined_kernel
+def place_at(places: Places, column: int) -> Vector:
+    """Return one of the places of a row."""
+    return float(places.x[column]), float(places.y[column]), float(places.z[column])
+
+
 class RowOfPixels(NamedTuple):
     """What is computed for one row of pixels, (W,) each."""
 
-    ways: Vectors  # unit vectors of the rays
+    ways: Vectors  # of the rays
     color: Channels  # of the surfaces, first without light, then without haze
-    normal: Vectors  # unit normals of the surfaces
+    normal: Vectors  # of the surfaces
     tilt: Tilts
-    place: Vectors  # m, where rays to the light start, slightly off the surfaces
+    place: Places
     unoccluded: NDArray[np.float32]  # share of the light from the sky that nearby surfaces leave
     unoccluded_above: NDArray[np.float32]  # the same in the row above
     ambient: NDArray[np.float32]  # light on surfaces from the sky
@@ -175,7 +189,7 @@ def row_in(space: NDArray[np.float32], row: int, count: int) -> RowOfPixels:
         Channels(space[COLOR, :count], space[COLOR + 1, :count], space[COLOR + 2, :count]),
         Vectors(space[NORMAL, :count], space[NORMAL + 1, :count], space[NORMAL + 2, :count]),
         Tilts(space[TILT, :count], space[TILT + 1, :count], space[TILT + 2, :count]),
-        Vectors(space[PLACE, :count], space[PLACE + 1, :count], space[PLACE + 2, :count]),
+        Places(space[PLACE, :count], space[PLACE + 1, :count], space[PLACE + 2, :count]),
         space[this, :count],
         space[above, :count],
         space[OTHERS, :count],

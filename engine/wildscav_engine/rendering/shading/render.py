@@ -4,7 +4,6 @@ One kernel renders the pictures of many cameras on many maps, because every call
 other threads that are in Python.
 """
 
-from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -48,7 +47,8 @@ def render_pictures(
     """Write pictures, (N, H, W, 3) red, green, blue; for the rest, see ``images.trace_images``."""
     _, height, width, _ = images.shape
     size = Size(height, width, cameras.half_width, objects.most_faces)
-    _, scratch = _scratch_for(height, width)
+    # Keep the buffers alive during the call: the table holds only their addresses.
+    _buffers, scratch = _scratch_for(height, width)
     return _render(
         appearances.tables,
         _casters_for(objects.most).addresses,
@@ -76,10 +76,13 @@ def _allocate(height: int, width: int) -> Scratch:
     )
 
 
-_SMALLEST = _allocate(1, 1)
-_read_hits, _read_rows, _read_chosen, _read_around, _read_texture = map(reader, _SMALLEST)
-# The rows of the table of a ``Scratch`` where its later parts begin.
-ROWS, CHOSEN, AROUND, TEXTURE = accumulate(map(len, _SMALLEST[:-1]))
+_hits, _rows, _chosen, _around, _texture = _allocate(1, 1)
+_read_hits, _read_rows, _read_chosen = reader(_hits), reader(_rows), reader(_chosen)
+_read_around, _read_texture = reader(_around), reader(_texture)
+ROWS = len(Hits._fields)  # the row of the table of a ``Scratch`` where its second part begins
+CHOSEN = ROWS + len(Rows._fields)
+AROUND = CHOSEN + len(Chosen._fields)
+TEXTURE = AROUND + len(Around._fields)
 _read_casters = reader(allocate_casters(1))
 _latest_scratch, _latest_casters = LatestOfThread(1), LatestOfThread(1)
 
@@ -116,13 +119,13 @@ def _render(
     cameras, objects = seen.cameras, seen.matches.objects
     if not are_finite(cameras.eyes, cameras.yaws, cameras.pitches):
         return False
-    hit, rows, chosen = (
-        _read_hits(scratch[:ROWS]),
+    hit = _read_hits(scratch[:ROWS])
+    canvas = Canvas(
         _read_rows(scratch[ROWS:CHOSEN]),
         _read_chosen(scratch[CHOSEN:AROUND]),
+        _read_around(scratch[AROUND:TEXTURE]),
+        _read_texture(scratch[TEXTURE:]),
     )
-    around, texture = _read_around(scratch[AROUND:TEXTURE]), _read_texture(scratch[TEXTURE:])
-    canvas = Canvas(rows, chosen, around, texture)
     count, height, width = images.shape[:3]
     for turn in range(count):
         image = item_at(seen.turns, turn)

@@ -91,7 +91,7 @@ def write_reflection(
         count = end - start
         ways = vectors_in(pixels.ways, start, end)
         mirrored = Vectors(scratch.x[:count], scratch.y[:count], scratch.z[:count])
-        sky = Channels(place.east[start:end], place.up[start:end], place.north[start:end])
+        sky = Channels(place.x[start:end], place.y[start:end], place.z[start:end])
         share, fog = pixels.ambient[start:end], pixels.direct[start:end]
         _mirror(row.camera, ways, row.line.distance[start:end], mirrored, share)
         write_sky(mirrored, clouds, scratch, sky, fog)

@@ -130,9 +130,9 @@ def aim_rays(buffer: HitBuffer, camera: Camera) -> None:
 def end_at_edges(
     buffer: HitBuffer, camera: Camera, west: float, south: float, width: float, height: float
 ) -> None:
-    """Clear hits beyond the edges of the map, which the camera is on.
+    """Clear hits beyond the edges of the map; the camera is on it.
 
-    The map has its least x and z in the west and south, and a width and a height from there, all in m.
+    ``west`` is the x of the western edge and ``south`` the z of the southern one; all numbers are in m.
     """
     for ray in range(buffer.met.shape[0]):
         east, north = buffer.east[ray], buffer.north[ray]

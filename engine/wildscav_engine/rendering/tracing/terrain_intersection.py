@@ -139,7 +139,7 @@ def _project_corners(
 ) -> None:
     """Project the corners of a block onto the image, in a loop that vectorizes.
 
-    Their heights (96,), m, are above the lowest, and ``ground`` is how far that is above the camera, m.
+    ``rises`` is (96,) m, each corner above the lowest; ``ground`` is in m, the lowest above the camera.
     """
     sin_yaw, cos_yaw = camera.sin_yaw, camera.cos_yaw
     sin_pitch, cos_pitch = camera.sin_pitch, camera.cos_pitch

@@ -374,24 +374,23 @@ def are_ready(eyes: Any, yaws: Any, pitches: Any) -> bool:
     )
 
 
-def _checked(*poses: ArrayLike) -> list[NDArray[np.float64]]:
+def _checked(*poses: ArrayLike) -> tuple[NDArray[np.float64], ...]:
     """Return positions, yaws and pitches as arrays that kernels accept: (N, 3), (N,) and (N,).
 
     Raises:
         ValueError: They have other shapes or are not real numbers.
     """
-    arrays = []
-    for name, values in zip(POSES, poses, strict=True):
-        array = np.asarray(values)
+    arrays = [np.asarray(values) for values in poses]
+    for name, array in zip(POSES, arrays, strict=True):
         if array.dtype.kind not in "biuf":
             raise ValueError(f"{name} are {array.dtype} of shape {array.shape}, must be real numbers")
-        arrays.append(np.array(array, np.float64, order="C"))
-    if arrays[0].ndim != 2 or arrays[0].shape[1] != 3:
-        raise ValueError(f"positions are float64 of shape {arrays[0].shape}, must be of shape (N, 3)")
-    for name, array in zip(POSES[1:], arrays[1:], strict=True):
-        if array.shape != (count := len(arrays[0]),):
-            raise ValueError(f"{name} are float64 of shape {array.shape}, must be of shape ({count},)")
-    return arrays
+    eyes, yaws, pitches = (np.array(array, np.float64, order="C") for array in arrays)
+    if eyes.ndim != 2 or eyes.shape[1] != 3:
+        raise ValueError(f"positions are float64 of shape {eyes.shape}, must be of shape (N, 3)")
+    for name, angles in (("yaws", yaws), ("pitches", pitches)):
+        if angles.shape != (len(eyes),):
+            raise ValueError(f"{name} are float64 of shape {angles.shape}, must be of shape ({len(eyes)},)")
+    return eyes, yaws, pitches
 
 
 def _raise_not_finite(*arrays: NDArray[np.float64]) -> NoReturn:

@@ -8,7 +8,7 @@ import pytest
 from wildscav_engine.compilation.caching import sources
 
 ENGINE = sources.PACKAGE
-ROBOTS = ("walker", "gatherer", "fighter", "seeker", "hunter_squad", "cover")
+ROBOTS = ("walker", "gatherer", "fighter", "seeker", "hunter_squad")
 # How a kernel's file, ``game/systems/motion.py``, can come by what is in a file.
 IMPORTS = [
     ("", "game/systems/motion.py"),

@@ -23,6 +23,7 @@ from wildscav_engine.rendering.shading.light.ambient_occlusion import (
 )
 from wildscav_engine.rendering.shading.pixel_rows import (
     Channels,
+    Places,
     RowOfPixels,
     Tilts,
     Vectors,
@@ -31,6 +32,21 @@ from wildscav_engine.rendering.shading.pixel_rows import (
     cosines_of,
     view_of,
     write_directions,
+)
+from wildscav_engine.rendering.shading.sky import (
+    CLOUD,
+    CLOUDS_FROM,
+    CLOUDS_REACH,
+    CLOUDS_STEP,
+    CLOUDS_WIDTH,
+    DISC,
+    FLATTENED,
+    GLOW,
+    INTO_CLOUDS,
+    SUN_COLOR,
+    SUN_DIRECTION,
+    clouds,
+    write_sky,
 )
 from wildscav_engine.rendering.shading.surfaces import has_spots, write_spotted
 from wildscav_engine.rendering.tracing.solids import gather_solids
@@ -49,7 +65,7 @@ def traced(game_map: GameMap, eye: Vector, yaw: float, pitch: float) -> tuple[Ca
 
 def row_of(cameras: Cameras, row: int) -> RowOfPixels:
     rows = iter(allocate_rows(CAMERA.width))
-    kinds = Vectors, Channels, Vectors, Tilts, Vectors  # rays, colours, normals, planes and places
+    kinds = Vectors, Channels, Vectors, Tilts, Places
     pixels = RowOfPixels(*(kind(*islice(rows, 3)) for kind in kinds), *rows)
     view = view_of(cameras, 0, CAMERA.height, CAMERA.width, 1)
     cosines = cosines_of(cameras.half_width, CAMERA.height, CAMERA.width)[row]
@@ -154,3 +170,23 @@ def test_tiles_and_boards_are_drawn_one_by_one_but_flat_roofs_have_spots() -> No
     assert has_spots(Kind.ROOF, (0.0, 1.0, 0.0))
     assert not has_spots(Kind.ROOF, (0.0, 0.8, 0.6))
     assert not has_spots(Kind.FLOOR, (0.0, 1.0, 0.0))
+
+
+def test_the_sky_along_a_row_has_haze_clouds_and_the_sun_in_their_directions() -> None:
+    to_sun = float(np.degrees(np.arctan2(SUN_DIRECTION[0], SUN_DIRECTION[2])))
+    cameras = CAMERA._cameras([(0.0, 0.0, 0.0)], [to_sun], [-30.0], None)
+    for row in range(0, CAMERA.height, 4):
+        pixels, fog = row_of(cameras, row), np.empty(CAMERA.width, np.float32)
+        write_sky(pixels.ways, clouds(), allocate_texture_scratch(), pixels.color, fog)
+        ways, color = np.stack(pixels.ways, axis=-1), np.stack(pixels.color, axis=-1)
+        aside = ways @ np.array(SUN_DIRECTION)
+        assert (fog[ways[:, 1] < CLOUDS_FROM] == 1.0).all()  # nothing is before the haze there
+        assert (fog[aside > DISC] == 0.0).all()
+        assert color[aside > DISC] == pytest.approx(np.tile(SUN_COLOR, ((aside > DISC).sum(), 1)), abs=0.05)
+        assert color[aside < GLOW] == pytest.approx(np.tile(CLOUD, ((aside < GLOW).sum(), 1)), abs=0.05)
+        # The plane of the clouds, looked up at the nearest number of their map.
+        scale = CLOUDS_WIDTH / (np.maximum(CLOUDS_FROM, ways[:, 1]) + FLATTENED)
+        at = ((ways[:, [2, 0]] * scale[:, None] + CLOUDS_REACH) / CLOUDS_STEP).round().astype(int)
+        near = clouds()[tuple(np.clip(at, 0, len(clouds()) - 1).T)]
+        cover = near * np.clip((ways[:, 1] - CLOUDS_FROM) * INTO_CLOUDS, 0.0, 1.0)
+        assert fog[aside < GLOW] == pytest.approx(1.0 - cover[aside < GLOW], abs=0.15)

@@ -22,8 +22,8 @@ from wildscav_engine.rendering.shading.light.columns import (
     is_blocked,
     write_columns,
 )
-from wildscav_engine.rendering.shading.light.sunlight import SHADOW_REACH, sun_shines
-from wildscav_engine.rendering.shading.pixel_rows import Vectors
+from wildscav_engine.rendering.shading.light.sunlight import SHADOW_REACH, sun_is_clear, sun_shines
+from wildscav_engine.rendering.shading.pixel_rows import Places
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 from wildscav_engine.specs.map_spec import MapConfig
 
@@ -36,7 +36,7 @@ def to_sun(world: World) -> ShadowColumns:
 
 def is_sunny(columns: ShadowColumns, world: World, place: tuple[float, float, float]) -> bool:
     rows, numbers = np.empty((2, 1), np.int32)
-    write_columns(columns, Vectors(*np.array(place, np.float32)[:, None]), rows, numbers)
+    write_columns(columns, Places(*np.array(place, np.float32)[:, None]), rows, numbers)
     return sun_shines(columns, world, rows[0], numbers[0], place)
 
 
@@ -74,6 +74,15 @@ def test_the_sun_shines_on_the_same_surfaces_as_by_rays(config: MapConfig) -> No
     assert (shines == free).all()
     assert len(places) > 1000
     assert 0.2 < shines.mean() < 0.9
+
+
+def test_the_sun_shines_where_a_ray_to_it_meets_nothing() -> None:
+    world = generate_map(MapConfig(size=60, houses=2), 3).world
+    low, high = (-32.0, world.heights.min() - 1.0, -32.0), (32.0, 12.0, 32.0)
+    places = np.random.default_rng(0).uniform(low, high, (3000, 3))
+    clear = [sun_is_clear(world, tuple(place)) for place in places]
+    assert clear == [raycast(world, *at, *SUN_DIRECTION, SHADOW_REACH).solid == NOTHING_HIT for at in places]
+    assert 500 < sum(clear) < 2500
 
 
 def test_floors_and_roofs_are_above_the_same_places_as_by_rays() -> None:

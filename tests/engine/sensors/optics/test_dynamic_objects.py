@@ -155,10 +155,12 @@ def test_what_is_placed_by_hand_looks_as_it_does_in_a_match() -> None:
     match = battle(2)
     place(match, 0, (1.0, 0.5, 2.0), yaw=30.0)
     place(match, 1, (-4.0, 0.0, 3.0), yaw=-90.0)
-    put_box(match, 0, (1.0, 2.0, 3.0))
-    match.state.supplies.serial[0, 0] = 0
+    boxes = [(1.0, 2.0, 3.0), (5.0, 0.0, -6.0)]
+    for slot, position in enumerate(boxes):
+        put_box(match, slot, position)
+        match.state.supplies.serial[0, slot] = slot
     of_match = dynamic_objects_of(match)
-    placed = placed_objects([((1.0, 0.5, 2.0), 30.0), ((-4.0, 0.0, 3.0), -90.0)], [(1.0, 2.0, 3.0)])
+    placed = placed_objects([((1.0, 0.5, 2.0), 30.0), ((-4.0, 0.0, 3.0), -90.0)], boxes)
     for one, other in zip(of_match.sets.arrays, placed.sets.arrays, strict=True):
         assert np.array_equal(one, other)
     assert len(placed_objects([], []).kind) == 0

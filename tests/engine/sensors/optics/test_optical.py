@@ -12,6 +12,7 @@ from numba.core.errors import NumbaError
 from wildscav_engine.maps import generate_map
 from wildscav_engine.parallel.turns import ALONE
 from wildscav_engine.rendering.cameras import Cameras
+from wildscav_engine.rendering.tracing.workspace import LARGEST_CACHED
 from wildscav_engine.sensors import (
     ColorCamera,
     DepthCamera,
@@ -66,7 +67,11 @@ def test_threads_and_batches_change_no_bit(
     sensor: ImageSensor, threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("wildscav_engine.sensors.optics.image_sensor.MIN_THREAD_TIME", 1)
-    eyes = COUNTRY.outdoor[:: len(COUNTRY.outdoor) // 9][:7] + np.array((0, 1.5, 0))
+    places = [
+        COUNTRY.outdoor[:: len(COUNTRY.outdoor) // 9][:4],
+        COUNTRY.indoor[:: len(COUNTRY.indoor) // 4][:3],
+    ]
+    eyes = np.concatenate(places) + np.array((0, 1.5, 0))
     yaws, pitches = np.linspace(-170, 170, 7), np.linspace(-40, 40, 7)
 
     together = sensor.render(COUNTRY, eyes, yaws, pitches)
@@ -76,6 +81,7 @@ def test_threads_and_batches_change_no_bit(
     for place in range(7):
         alone = sensor.render(COUNTRY, eyes[place : place + 1], yaws[place : place + 1], [pitches[place]])
         assert alone[0].tobytes() == together[place].tobytes()
+    assert len({image.tobytes() for image in together}) == 7
 
 
 def test_an_error_of_our_own_is_not_hidden_behind_a_slower_way(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -104,7 +110,9 @@ def test_arrays_are_looked_from_alike_however_they_lie_in_memory() -> None:
     assert strewn.tobytes() == plain.tobytes()
 
 
-@pytest.mark.parametrize("camera", [DepthCamera(9, 7), DepthCamera(258, 256)], ids=["small", "large"])
+@pytest.mark.parametrize(
+    "camera", [DepthCamera(9, 7), DepthCamera(LARGEST_CACHED // 256 + 2, 256)], ids=["small", "large"]
+)
 def test_images_of_other_sizes_and_maps_in_between_change_no_bit(camera: DepthCamera) -> None:
     """Images are made in workspaces that are kept: nothing of one is left in the next."""
     eyes, turns = COUNTRY.outdoor[:7] + np.array((0, 1.5, 0)), np.linspace(-170, 170, 7)

@@ -20,11 +20,12 @@ from wildscav_engine.rendering.shading.light.ambient_occlusion import (
 )
 from wildscav_engine.rendering.shading.light.columns import BLOCKED, ShadowColumns, is_blocked
 from wildscav_engine.rendering.shading.pixel_rows import (
+    Places,
     RowOfPixels,
     TracedRow,
     Vectors,
     View,
-    vector_at,
+    place_at,
     vectors_in,
 )
 from wildscav_engine.rendering.tracing.frustum import nonnegative
@@ -90,13 +91,13 @@ def _write_skylight(upwards: ShadowColumns, world: World, row: TracedRow) -> Non
             continue
         for first in range(pieces[piece], pieces[piece + 1], SPAN):
             last = min(pieces[piece + 1], first + SPAN)
-            begins_roofed = is_roofed(upwards, world, vector_at(pixels.place, first))
-            ends_roofed = is_roofed(upwards, world, vector_at(pixels.place, last - 1))
+            begins_roofed = is_roofed(upwards, world, place_at(pixels.place, first))
+            ends_roofed = is_roofed(upwards, world, place_at(pixels.place, last - 1))
             if begins_roofed & ends_roofed:
                 _write_roofed(first, last, pixels)
             elif begins_roofed | ends_roofed:
                 for column in range(first, last):
-                    if is_roofed(upwards, world, vector_at(pixels.place, column)):
+                    if is_roofed(upwards, world, place_at(pixels.place, column)):
                         _write_roofed(column, column + 1, pixels)
 
 
@@ -127,16 +128,16 @@ def _write_roofed(first: int, last: int, pixels: RowOfPixels) -> None:
 
 @disjoint_kernel
 def write_places_off(
-    view: View, ways: Vectors, normal: Vectors, distances: NDArray[np.float32], place: Vectors
+    view: View, ways: Vectors, normal: Vectors, distances: NDArray[np.float32], place: Places
 ) -> None:
     """Write the places slightly off the surfaces of a row, where rays to the light start."""
     x, y, z = np.float32(view.eye[0]), np.float32(view.eye[1]), np.float32(view.eye[2])
     for column in range(distances.shape[0]):
         distance = min(FARTHEST, distances[column])
         lift = LIFT + LIFT_SHARE * distance
-        place.east[column] = x + (ways.east[column] * distance + normal.east[column] * lift)
-        place.up[column] = y + (ways.up[column] * distance + normal.up[column] * lift)
-        place.north[column] = z + (ways.north[column] * distance + normal.north[column] * lift)
+        place.x[column] = x + (ways.east[column] * distance + normal.east[column] * lift)
+        place.y[column] = y + (ways.up[column] * distance + normal.up[column] * lift)
+        place.z[column] = z + (ways.north[column] * distance + normal.north[column] * lift)
 
 
 @inlined_kernel

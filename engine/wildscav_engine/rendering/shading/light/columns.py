@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.geometry.world import CELL, World
 from wildscav_engine.rendering.shading.color_arithmetic import Vector, dot
-from wildscav_engine.rendering.shading.pixel_rows import Vectors
+from wildscav_engine.rendering.shading.pixel_rows import Places
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 
 CLEAR, BLOCKED, UNKNOWN = 0, 1, 2  # what is known about the way from a place
@@ -63,7 +63,7 @@ def is_blocked(columns: ShadowColumns, world: World, place: Vector) -> int:
 
 @disjoint_kernel
 def write_columns(
-    columns: ShadowColumns, places: Vectors, rows: NDArray[np.int32], numbers: NDArray[np.int32]
+    columns: ShadowColumns, places: Places, rows: NDArray[np.int32], numbers: NDArray[np.int32]
 ) -> None:
     """Write which columns places belong to, as rows, OUTSIDE for none, and numbers in them."""
     lean_x, lean_z = np.float32(columns.grid[LEAN_X]), np.float32(columns.grid[LEAN_Z])
@@ -74,7 +74,7 @@ def write_columns(
     )
     height, width = np.float32(columns.record.shape[0]), np.float32(columns.record.shape[1])
     for place in range(rows.shape[0]):
-        x, y, z = places.east[place], places.up[place], places.north[place]
+        x, y, z = places.x[place], places.y[place], places.z[place]
         across, along = (x - lean_x * y - west) * per_side, (z - lean_z * y - south) * per_side
         is_in = (across >= NONE) & (across < width) & (along >= NONE) & (along < height)
         rows[place] = np.int32(along if is_in else OUTSIDE)

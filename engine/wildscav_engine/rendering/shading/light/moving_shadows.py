@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wildscav_engine.compilation.kernel import disjoint_kernel, inlined_kernel, kernel
 from wildscav_engine.rendering.shading.color_arithmetic import Vector
 from wildscav_engine.rendering.shading.light.columns import clip_ray
-from wildscav_engine.rendering.shading.pixel_rows import Vectors
+from wildscav_engine.rendering.shading.pixel_rows import Places
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 from wildscav_engine.rendering.tracing.frustum import nonnegative
 from wildscav_engine.rendering.tracing.solids import Solids
@@ -113,11 +113,11 @@ def _square_of(coordinate: float, middle: float) -> int:
 
 
 @disjoint_kernel
-def write_squares(casters: Casters, places: Vectors, squares: NDArray[np.int32]) -> None:
+def write_squares(casters: Casters, places: Places, squares: NDArray[np.int32]) -> None:
     """Write which squares of the map the shadows of casters at some places belong to."""
     middle_across, middle_along = np.float32(casters.middle[0]), np.float32(casters.middle[1])
     for place in range(squares.shape[0]):
-        x, y, z = places.east[place], places.up[place], places.north[place]
+        x, y, z = places.x[place], places.y[place], places.z[place]
         across = (EAST_32 * z - NORTH_32 * x - middle_across) * PER_SIDE + HALF
         along = (EAST_32 * x + NORTH_32 * z - LEAN_32 * y - middle_along) * PER_SIDE + HALF
         row, column = np.int32(min(LAST, max(FIRST, along))), np.int32(min(LAST, max(FIRST, across)))

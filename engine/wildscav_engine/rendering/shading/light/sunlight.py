@@ -32,10 +32,10 @@ from wildscav_engine.rendering.shading.light.moving_shadows import (
 )
 from wildscav_engine.rendering.shading.pixel_rows import (
     AT_ONCE,
+    Places,
     RowOfPixels,
     TextureScratch,
-    vector_at,
-    vectors_in,
+    place_at,
 )
 from wildscav_engine.rendering.shading.sky import SUN_DIRECTION
 from wildscav_engine.rendering.tracing.frustum import nonnegative
@@ -112,14 +112,14 @@ def write_shadows(
     record = to_sun.record.reshape(to_sun.record.shape[0] * to_sun.record.shape[1])
     for start in range(0, direct.shape[0], AT_ONCE):
         end = min(direct.shape[0], start + AT_ONCE)
-        places = vectors_in(own, start, end)
+        places = Places(own.x[start:end], own.y[start:end], own.z[start:end])
         write_columns(to_sun, places, scratch.row[: end - start], scratch.column[: end - start])
         write_squares(casters, places, scratch.corner[: end - start])
-        _look_up_lit(to_sun, solids[start:end], places.up, direct[start:end], scratch)
+        _look_up_lit(to_sun, solids[start:end], places.y, direct[start:end], scratch)
         count = _find_doubtful(record, to_sun.clear, casters.first, end - start, scratch)
         for item in range(count):
             column = nonnegative(scratch.corner_above[item])
-            row, number, place = scratch.row[column], scratch.column[column], vector_at(places, column)
+            row, number, place = scratch.row[column], scratch.column[column], place_at(places, column)
             is_shaded = is_shaded_by(moving, casters, scratch.corner[column], place)
             if is_shaded or not sun_shines(to_sun, world, row, number, place):
                 direct[start + column] = NONE
