@@ -43,7 +43,7 @@ class Accounts:
         return bool(self._read(seat, OVER))
 
     def charge(self, seat: int, prompt: int, answer: int, seconds: float) -> None:
-        """Charge a seat for a request: its tokens, and the s that the model's server took."""
+        """Charge a seat for a request: its tokens, and the time that the model's server took for it, s."""
         row = self._counts[self._rows[seat]]
         row[PROMPT] += prompt
         row[ANSWER] += answer
@@ -58,7 +58,7 @@ class Accounts:
         self._counts[self._rows[seat], OVER] = 1
 
     def spent(self, seat: int, settings: ModelSettings, prompt: int) -> str:
-        """Return which part of its budget a seat has spent, or its next prompt (tokens) would; "" if none."""
+        """Return why a seat may not send a prompt of so many tokens; "" if its budget allows it."""
         tokens, seconds = self.tokens(seat), self._read(seat, NANOSECONDS) * NANOSECOND
         if self._read(seat, REQUESTS) >= settings.requests:
             return f"its {settings.requests:,} requests to the model are used up"

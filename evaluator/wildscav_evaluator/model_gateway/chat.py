@@ -146,12 +146,25 @@ class Tool(Part):
     function: Function
 
 
+class NamedFunction(Part):
+    """The name of a function."""
+
+    name: Name
+
+
+class NamedTool(Part):
+    """The tool that the model must use."""
+
+    type: Literal["function"]
+    function: NamedFunction
+
+
 class ChatRequest(Part):
     """A request for an answer."""
 
     messages: Annotated[list[Message], Field(min_length=1, max_length=2000)]
     tools: Annotated[list[Tool], Field(max_length=128)] | None = None
-    tool_choice: Literal["none", "auto", "required"] | Tool | None = None
+    tool_choice: Literal["none", "auto", "required"] | NamedTool | None = None
     parallel_tool_calls: bool | None = None
     temperature: Annotated[float, Field(ge=0.0, le=2.0)] | None = None
     top_p: Annotated[float, Field(ge=0.0, le=1.0)] | None = None

@@ -142,8 +142,8 @@ class ModelServer:
         except TimeoutError:
             raise _FailedError(f"it does not answer within {self._settings.timeout:g} s") from None
         except (OSError, HTTPException, ValueError) as error:
-            said = getattr(error, "strerror", "") or (isinstance(error, OSError) and str(error))
-            raise _FailedError(said or type(error).__name__) from None
+            reason = getattr(error, "strerror", "") or (str(error) if isinstance(error, OSError) else "")
+            raise _FailedError(reason or type(error).__name__) from None
         if status == 200:
             try:
                 return await asyncio.to_thread(read_answer, content)
@@ -155,18 +155,25 @@ class ModelServer:
 
     async def _send(self, body: bytes) -> Response:
         """Post a request by a connection of its own, for which a thread waits."""
-        free = self._idle.pop() if self._idle else ModelConnection(self._settings.url, self._key)
-        self._busy.add(free)
+        is_used = bool(self._idle)
+        connection = self._idle.pop() if is_used else ModelConnection(self._settings.url, self._key)
+        self._busy.add(connection)
         try:
             arguments = "/chat/completions", body, self._settings.timeout
-            loop = asyncio.get_running_loop()
-            answered = await loop.run_in_executor(self._threads, free.ask, *arguments)
+            run = asyncio.get_running_loop().run_in_executor
+            try:
+                answered = await run(self._threads, connection.ask, *arguments)
+            except ConnectionError:
+                if not is_used:
+                    raise
+                # Servers end connections that have been idle, even as a request is sent.
+                answered = await run(self._threads, connection.ask, *arguments)
         except BaseException:
-            free.cut()
+            connection.cut()
             raise
         finally:
-            self._busy.discard(free)
-        self._idle.append(free)
+            self._busy.discard(connection)
+        self._idle.append(connection)
         return answered
 
     def _reason(self, content: bytes) -> tuple[str, str | None]:

@@ -148,6 +148,8 @@ class _Connection:
                 body = await self._body()
         except TimeoutError:
             raise RefusedError(408, f"a request must arrive within {BODY_TIME:g} s") from None
+        except h11.RemoteProtocolError:
+            raise RefusedError(400, "the body of the request is not HTTP/1.1") from None
         return Request(header.method.decode("ascii"), header.target.decode("ascii", "replace"), body)
 
     async def _body(self) -> bytes:

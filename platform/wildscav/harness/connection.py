@@ -4,19 +4,21 @@ OpenAI's own client would take a second and 36 MB to load, in every seat.
 """
 
 import contextlib
-import select
+import selectors
 import socket
+import ssl
 import time
-from http.client import HTTPConnection, HTTPSConnection
+from http.client import HTTPConnection, HTTPSConnection, IncompleteRead
 from math import isinf
 from typing import NamedTuple
-from urllib.parse import urlsplit
+from urllib.parse import quote, urlsplit
 
 from wildscav.harness.answers import LARGEST_ANSWER
 
 SOCKET = "unix:"  # begins the address of a gateway
 CONNECT_TIME = 10.0  # s
 PIECE = 1 << 16  # bytes
+IN_PATHS = "/%:@!$&'()*+,;="  # stay as they are; letters and digits do in any case
 
 
 class Response(NamedTuple):
@@ -45,8 +47,12 @@ class ModelConnection:
             self._http: HTTPConnection = _UnixConnection(url.removeprefix(SOCKET))
             self._path = "/v1"
         else:
+            if not parts.hostname:
+                raise ValueError("it has no host")
             kind = HTTPSConnection if parts.scheme == "https" else HTTPConnection
-            self._http, self._path = kind(parts.hostname or "", parts.port), parts.path.rstrip("/")
+            # Without a port, it would look for one in an IPv6 address.
+            self._http = kind(parts.hostname, parts.port or kind.default_port)
+            self._path = quote(parts.path.rstrip("/"), IN_PATHS)
         self._socket: socket.socket | None = None
         self._headers = {"Content-Type": "application/json", "User-Agent": "wildscav"}
         if key:
@@ -72,6 +78,8 @@ class ModelConnection:
                         raise OSError(f"its answer has more than {LARGEST_ANSWER:,} bytes")
                     if time.monotonic() > end:
                         raise TimeoutError
+                if response.length:
+                    raise IncompleteRead(bytes(content), response.length)
                 return Response(response.status, bytes(content), response.headers.get("Retry-After", ""))
         except BaseException:
             self.close()
@@ -80,12 +88,16 @@ class ModelConnection:
     def _open(self, seconds: float) -> None:
         """Connect, unless there is a connection that the server has not ended."""
         opened = self._http.sock
-        if opened is not None and select.select([opened], [], [], 0.0)[0]:
+        if opened is not None and _is_readable(opened):
             self.close()
         limit = None if isinf(seconds) else seconds
         if self._http.sock is None:
             self._http.timeout = limit and min(CONNECT_TIME, limit)
-            self._http.connect()
+            try:
+                self._http.connect()
+            except ssl.SSLCertVerificationError as error:
+                hint = "the variable SSL_CERT_FILE may name a file of authorities"
+                raise OSError(f"{error.verify_message}; {hint}") from None
         # http.client forgets its socket before it has read an answer after which it ends.
         self._socket = self._http.sock
         self._socket.settimeout(limit)
@@ -99,6 +111,13 @@ class ModelConnection:
     def close(self) -> None:
         """Close it; the next request opens it again."""
         self._http.close()
+
+
+def _is_readable(opened: socket.socket) -> bool:
+    """Return whether the server has ended a connection, or says something that nobody asked for."""
+    with selectors.DefaultSelector() as selector:
+        selector.register(opened, selectors.EVENT_READ)
+        return bool(selector.select(0.0))
 
 
 class _UnixConnection(HTTPConnection):

@@ -46,7 +46,7 @@ class ModelServer:
             ModelError: It gave none, however often it was asked.
         """
         attempt = 0
-        while True:
+        while True:  # until there is an answer, or _fail raises
             began = time.monotonic()
             try:
                 document = self._post(messages, tools)

@@ -72,6 +72,8 @@ class ModelSettings:
                     raise UserError(f"the model's {name} must be {said}", 2)
         if not self.url.startswith(("http://", "https://", SOCKET)):
             raise UserError(f"the model's url is {self.url!r}, must begin with http://, https:// or unix:", 2)
+        if not (self.key.isascii() and self.key.isprintable()):
+            raise UserError("the model's key has characters that no header may have", 2)
         if not isinstance(self.request, Mapping):
             raise UserError("the model's request must be a table of further fields of requests", 2)
         if self.log is not None and not isinstance(self.log, Path):

@@ -53,13 +53,13 @@ ACTS: dict[str, tuple[type[Request], Act]] = {}  # by name: the model of a reque
 
 def act(method: Act) -> Act:
     """Let clients call a method of the desk. Its docstring and its arguments are what they are told of it."""
-    asked = {name: one for name, one in signature(method).parameters.items() if name != "self"}
+    asked = {name: argument for name, argument in signature(method).parameters.items() if name != "self"}
     if "request" in asked:  # which has all arguments in it
         ACTS[method.__name__] = asked["request"].annotation, method
         return method
     fields: dict[str, Any] = {
-        name: (one.annotation, ... if one.default is one.empty else one.default)
-        for name, one in asked.items()
+        name: (argument.annotation, ... if argument.default is argument.empty else argument.default)
+        for name, argument in asked.items()
     }
     model = create_model(method.__name__, __base__=Request, __doc__=method.__doc__, **fields)
     ACTS[method.__name__] = model, lambda desk, request: method(desk, **dict(request))
@@ -95,7 +95,9 @@ class Desk:
         try:
             request = kind.model_validate(arguments)
         except ValidationError as error:
-            fields = ", ".join(kind.model_fields) or "no arguments"
+            fields = (
+                ", ".join(field.alias or name for name, field in kind.model_fields.items()) or "no arguments"
+            )
             raise UserError(f"{name} takes {fields}; {one_line(error)}") from None
         answer = await play(self, request)
         return Answer(answer) if isinstance(answer, str) else answer
@@ -175,41 +177,41 @@ class Desk:
         return "\n".join(map(reports.state, self.matches)) or "There is no match: start one with start_match."
 
     @act
-    async def rules(self, seat: Handle) -> str:
+    async def rules(self, handle: Handle) -> str:
         """Read the rules of your match."""
-        match, own = self.matches.seat(seat)
-        async with _turn_of(own):
-            return rules(await self._in_thread(match, own, lambda: own.words.begun(WAIT)))
+        match, seat = self.matches.seat(handle)
+        async with _turn_of(seat):
+            return rules(await self._in_thread(match, seat, lambda: seat.words.begun(WAIT)))
 
     @act
-    async def observe(self, seat: Handle) -> Answer:
+    async def observe(self, handle: Handle) -> Answer:
         """Read what your seat senses now, or the end of a call that was still being played. It costs no time."""  # noqa: E501
-        match, own = self.matches.seat(seat)
-        async with _turn_of(own):
-            if own.is_busy or match.is_over_for(own):
-                return await self._end_of(match, own, lambda: own.words.wait(WAIT))
-            return Answer(await self._in_thread(match, own, lambda: own.words.observe(WAIT)))
+        match, seat = self.matches.seat(handle)
+        async with _turn_of(seat):
+            if seat.is_busy or match.is_over_for(seat):
+                return await self._end_of(match, seat, lambda: seat.words.wait(WAIT))
+            return Answer(await self._in_thread(match, seat, lambda: seat.words.observe(WAIT)))
 
     @act
-    async def picture(self, seat: Handle, marks: Marks = False) -> Answer:
+    async def picture(self, handle: Handle, marks: Marks = False) -> Answer:
         """Get a picture of what your seat sees now. It costs no time."""
-        match, own = self.matches.seat(seat)
-        async with _turn_of(own):
-            if own.is_busy:
+        match, seat = self.matches.seat(handle)
+        async with _turn_of(seat):
+            if seat.is_busy:
                 raise UserError(STILL)
-            await self._in_thread(match, own, lambda: own.words.begun(WAIT))
-            picture = own.words.picture(image_of(match.hosted.match, own.number), marks=marks)
-        return Answer(f"What seat {own.number} sees now.", picture)
+            await self._in_thread(match, seat, lambda: seat.words.begun(WAIT))
+            picture = seat.words.picture(image_of(match.hosted.match, seat.number), marks=marks)
+        return Answer(f"What seat {seat.number} sees now.", picture)
 
     @act
-    async def score(self, seat: Handle) -> str:
+    async def score(self, handle: Handle) -> str:
         """Read the score of all seats when your match is over; before, what you and your team carry."""
-        return reports.score(*self.matches.seat(seat))
+        return reports.score(*self.matches.seat(handle))
 
     @act
-    async def record(self, seat: Handle) -> str:
+    async def record(self, handle: Handle) -> str:
         """Get the record of your match when it is over: a small file that anybody can verify."""
-        match, _ = self.matches.seat(seat)
+        match, _ = self.matches.seat(handle)
         path = _recorded(match)
         resource = f"resource: {RECORD_ADDRESS.format(key=match.key)}"
         if not self.is_local:
@@ -217,9 +219,9 @@ class Desk:
         return f"{path}\n{resource}\nAnybody can verify it: wildscav verify {path}"
 
     @act
-    async def replay(self, seat: Handle) -> str:
+    async def replay(self, handle: Handle) -> str:
         """Get a page that plays your match in 3D in any browser, when it is over."""
-        match, _ = self.matches.seat(seat)
+        match, _ = self.matches.seat(handle)
         record, page = _recorded(match), match.folder / REPLAY
         if match.replaying is None:
             match.replaying = asyncio.create_task(_make_replay(record, page))
@@ -230,10 +232,10 @@ class Desk:
         return str(page) if self._link is None else self._link(match)
 
     @act
-    async def leave(self, seat: Handle) -> str:
+    async def leave(self, handle: Handle) -> str:
         """Leave the match. Your seat stands still from now on, and the others play on."""
-        match, own = self.matches.seat(seat)
-        match.leave(own)
+        match, seat = self.matches.seat(handle)
+        match.leave(seat)
         if all(match.hosted.seats[one.number].gone for one in match.seats):  # then the rest is played at once
             await asyncio.wait({match.task}, timeout=WAIT)
         return f"You have left {match.id}."

@@ -25,7 +25,8 @@ MAX_BASELINES = 8  # of them, because each is a process
 LONGEST = 3600.0  # s of game time
 
 Handle = Annotated[
-    str, Field(max_length=40, description="the handle of your seat, from start_match or join_match")
+    str,
+    Field(max_length=40, alias="seat", description="the handle of your seat, from start_match or join_match"),
 ]
 Code = Annotated[str, Field(max_length=40, description="the join code of the match")]
 Marks = Annotated[

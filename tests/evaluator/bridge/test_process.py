@@ -94,11 +94,12 @@ def test_the_reader_reaches_the_target_by_words_alone_and_its_calls_are_notes(tm
     assert notes[-1] == "The match is over."
 
 
-def test_keys_lead_to_the_target(submit: Submit, tmp_path: Path) -> None:
+@pytest.mark.parametrize("sandbox", ["bubblewrap", "oci"])
+def test_keys_lead_to_the_target(submit: Submit, sandbox: str, tmp_path: Path) -> None:
     open_map = MapSpec(config=MapConfig(size=50, houses=0, vegetation=0.0), seed=3)
     spec = SPEC.model_copy(update={"map": open_map})
 
-    assert success_of(played(submit("presser", code=PRESSER, more=KEYS), "bubblewrap", tmp_path, spec)) == 1.0
+    assert success_of(played(submit("presser", code=PRESSER, more=KEYS), sandbox, tmp_path, spec)) == 1.0
 
 
 @pytest.mark.parametrize("sandbox", ["process", "bubblewrap", "oci"])

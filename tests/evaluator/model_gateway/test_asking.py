@@ -194,6 +194,13 @@ def test_an_answer_that_comes_too_late_is_not_asked_for_in_secret(
     assert asked == ["good", "evil", "Answer with the word yes.", "good"]
 
 
+def test_a_connection_that_ends_as_a_request_is_sent_is_nobodys_fault(serve: Serve) -> None:
+    async def ask(gateway: Served) -> None:
+        assert [(await gateway.ask("Where?")).status_code for _ in range(2)] == [200, 200]
+
+    assert serve(disturbed(YES, {1: Reset()}), ask, retries=0).reports == [{"ready": True}]
+
+
 def test_a_short_failure_of_the_server_is_nobodys_fault(serve: Serve) -> None:
     async def ask(gateway: Served) -> None:
         assert (await gateway.ask("Where?")).status_code == 200

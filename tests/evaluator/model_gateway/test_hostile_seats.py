@@ -44,6 +44,7 @@ def sized(body: bytes) -> bytes:
 
 
 SMUGGLED = b"GET /v1/models HTTP/1.1\r\nHost: evil\r\n\r\n"
+GARBAGE = HEAD + b"Transfer-Encoding: chunked\r\n\r\nno chunk\r\n"
 CHUNKED = b"%x\r\n%s\r\n0\r\n\r\n" % (len(BODY), BODY)
 
 
@@ -71,6 +72,7 @@ CHUNKED = b"%x\r\n%s\r\n0\r\n\r\n" % (len(BODY), BODY)
         (HEAD + b"X: " + b"a" * (200 << 10) + b"\r\n\r\n", 431),
         (HEAD + b"Content-Length: 999999999\r\n\r\n", 413),
         (HEAD + b"Content-Length: -1\r\n\r\n", 400),
+        (GARBAGE, 400),
         (sized(b"["), 400),
         (sized(b"[" * 100_000), 400),
     ],
@@ -166,15 +168,19 @@ def test_what_is_heavy_for_one_seat_stops_no_other(
     serve(YES, attack)
 
 
-def test_a_flood_of_refusals_is_slowed_down(serve: Serve) -> None:
+@pytest.mark.parametrize("sent", [b"GET /nothing HTTP/1.1\r\nHost: model\r\n\r\n", GARBAGE])
+def test_a_flood_of_refusals_is_slowed_down(serve: Serve, sent: bytes) -> None:
     async def attack(gateway: Served) -> None:
         loop = asyncio.get_running_loop()
         before = loop.time()
-        async with gateway.client() as client:
-            await asyncio.gather(*(client.get("/nothing") for _ in range(6)))
+        await asyncio.gather(*(send(gateway, sent) for _ in range(6)))
         assert loop.time() - before >= 6 * unix_http.REFUSAL_PAUSE  # one after another
 
     serve(YES, attack)
+
+
+HELLO = {"messages": [{"role": "user", "content": "Hello"}]}
+GO = {"type": "function", "function": {"name": "go"}}
 
 
 def picture(size: tuple[int, int] = (2, 2), kind: str = "PNG") -> str:
@@ -189,8 +195,7 @@ def with_picture(url: str) -> dict[str, Any]:
 
 def with_schema(schema: dict[str, Any]) -> dict[str, Any]:
     function = {"name": "go", "parameters": {"type": "object", "properties": {"a": schema}}}
-    hello = {"role": "user", "content": "Hello"}
-    return {"messages": [hello], "tools": [{"type": "function", "function": function}]}
+    return HELLO | {"tools": [{"type": "function", "function": function}]}
 
 
 @pytest.mark.parametrize(
@@ -200,10 +205,17 @@ def with_schema(schema: dict[str, Any]) -> dict[str, Any]:
         with_picture(f"data:image/jpeg;base64,{picture(kind='JPEG')}"),
         with_schema({"$ref": "#/$defs/place"}),
         {"messages": [{"role": "assistant", "content": None, "tool_calls": []}]},
+        HELLO | {"tool_choice": GO},
     ],
 )
 def test_what_is_in_the_request_itself_is_passed_on(body: dict[str, Any]) -> None:
     assert read_request(json.dumps(body).encode()).passed_on() == body
+
+
+def test_a_tool_is_chosen_by_its_name_alone() -> None:
+    longer = {"type": "function", "function": {"name": "go", "description": "spy", "strict": True}}
+
+    assert read_request(json.dumps(HELLO | {"tool_choice": longer}).encode()).passed_on()["tool_choice"] == GO
 
 
 @pytest.mark.parametrize(

@@ -64,6 +64,7 @@ def test_a_tool_ends_for_a_reason(
     reply = world.call(call, arguments)
 
     assert (reply.ended, reply.steps) == (reason, steps)
+    assert ("You see box 2." in reply.text) == (reason == Reason.BOX_SEEN)
     assert world.player.counts.refused == 0
 
 

@@ -82,7 +82,7 @@ async def test_whoever_opens_the_link_again_goes_on_there(person: PageClient, li
         assert closed.value.rcvd is not None
         assert closed.value.rcvd.code == 4001
         while (await second.until("moment"))["frame"] <= frame:
-            pass  # both may have come before the person step
+            pass  # both may have come before the first step
 
 
 @pytest.mark.parametrize(

@@ -164,7 +164,7 @@ def test_keys_events_and_the_slider_lead_through_the_match(
         assert page.locator(".player-seat.player-dead").count() >= 1
 
 
-@pytest.mark.parametrize("track", ["capture", "royale"])  # a target, and boxes with a zone
+@pytest.mark.parametrize("track", ["navigation", "gathering", "capture", "royale"])
 def test_each_track_plays_on_a_phone_without_sideways_scrolling(
     browser: Any, record_of_track: Records, track: str
 ) -> None:
@@ -172,7 +172,7 @@ def test_each_track_plays_on_a_phone_without_sideways_scrolling(
         served(match_site("", [record_of_track(track)])) as address,
         opened(browser, f"{address}#t=0", viewport=PHONE, has_touch=True) as page,
     ):
-        first = picture_of(page)
+        first = bytes(page.locator(".player-canvas[data-picture=whole]").screenshot(timeout=PATIENCE))
         page.get_by_role("button", name="On 5 seconds").click()
 
         assert difference(picture_of(page), first) > CHANGED

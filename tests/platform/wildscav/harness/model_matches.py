@@ -42,7 +42,7 @@ def model_match(spec: MatchSpec, script: Script, folder: Path, **settings: Any) 
 
     async def play(server: MatchServer, address: str) -> ModelMatch:
         own = spec.seats.index("submission")
-        hosted = await host(server, spec, sensors={own: sensors(pictures=settings.get("pictures", False))})
+        hosted = await host(server, spec, sensors={own: sensors()})
         seat = Seat(hosted.names)
         playing = asyncio.create_task(asyncio.to_thread(seat.play, address, hosted.tokens[own]))
         course = await asyncio.to_thread(ask, seat)

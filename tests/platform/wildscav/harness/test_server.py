@@ -126,6 +126,7 @@ def test_tokens_are_estimated_where_a_server_does_not_count_right(usage: object)
     assert estimated.answer_tokens == pytest.approx(counted.answer_tokens, rel=0.3)
 
 
-def test_an_address_that_is_none_is_refused() -> None:
+@pytest.mark.parametrize("url", ["http://[::bad", "http:///v1", "http://a b/v1", "http://a:b"])
+def test_an_address_that_is_none_is_refused(url: str) -> None:
     with pytest.raises(UserError, match="not valid"):
-        ModelPlayer(PlayedSeat(), ModelSettings(url="http://[::bad"))
+        ModelPlayer(PlayedSeat(), ModelSettings(url=url))

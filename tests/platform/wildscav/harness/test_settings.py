@@ -37,6 +37,7 @@ def test_a_file_and_the_environment_give_them(tmp_path: Path, monkeypatch: pytes
         ("name = 3", "name must be a text"),
         ("pictures = 1", "pictures must be true or false"),
         ("log = 3", "log is 3, must be the name of a file"),
+        (r'key = "sk-1\n"', "key has characters that no header may have$"),
         ('url = "ftp://x"', "must begin with http://"),
         ("request = 3", "request must be a table"),
         ("request = { stream = true }", "request has stream"),
