@@ -74,7 +74,10 @@ def make_maps(choices: Iterable[Choices], executor: Executor) -> Iterator[MadeMa
 
 
 def run_make_maps(choices: Sequence[Choices], executor: Executor, *, as_json: bool = False) -> None:
-    """Make the maps that are not cached yet, and say how many and how large they are."""
+    """Make the maps that are not cached yet, and say how many and how large they are.
+
+    UserError if one cannot be made, they do not fit into the cache, or the command was interrupted.
+    """
     missing = missing_maps(choices)
     if len(missing) < len(choices):
         console.print(f"{len(choices) - len(missing):,} of {counted(len(choices), 'map')} were cached before")

@@ -111,7 +111,7 @@ def timing(report: SeatReport, clock: Clock) -> Finding:
 
 
 def process_exit(ending: Ending | None) -> Finding:
-    """Judge how an agent's process ended once its match was over; None if it had to be stopped."""
+    """Judge how an agent's process ended once its match was over; it had to be stopped if that is None."""
     check, advice = "end", "end the process with exit code 0 once MatchOver has arrived"
     if ending is None:
         seen = f"its process still ran {EXIT_TIME:g} s after the match, and was stopped"

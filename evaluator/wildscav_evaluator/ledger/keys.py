@@ -50,8 +50,8 @@ class SigningKey:
 def new_key(path: Path, passphrase: str | None = None) -> SigningKey:
     """Make a key and write its private half to a new file that only its owner may read.
 
-    Without a passphrase, it is not encrypted. UserError if the file exists or cannot be written, or the
-    passphrase cannot be used.
+    Without a passphrase, it is not encrypted. An existing file is never overwritten. UserError if
+    there is one, or the file cannot be written, or the passphrase cannot be used.
     """
     key = Ed25519PrivateKey.generate()
     encryption: KeySerializationEncryption = NoEncryption()
@@ -152,7 +152,10 @@ def _digits(key: Ed25519PublicKey) -> str:
 
 
 def is_signed(content: bytes, signature: str, public: str) -> bool:
-    """Return whether a signature of some bytes, 128 hexadecimal digits, was made with a key, 64 of them."""
+    """Return whether a signature of some bytes was made with the private half of a public key.
+
+    They are 128 and 64 hexadecimal digits; any other text is no valid signature, and verifies none.
+    """
     try:
         Ed25519PublicKey.from_public_bytes(bytes.fromhex(public)).verify(bytes.fromhex(signature), content)
     except (InvalidSignature, ValueError):

@@ -138,13 +138,13 @@ def _in_a_line(error: Exception) -> str:
 
 
 async def _play_once(
-    match: AbstractAsyncContextManager[tuple[HostedMatch, MatchAgents]],
+    at_play: AbstractAsyncContextManager[tuple[HostedMatch, MatchAgents]],
 ) -> PlayedMatch:
     """Play one match from the start of its agents to the end of the last of them. See ``agents_at_play``.
 
     OSError if an agent's process could not be started; PlatformFaultError if a sandbox failed under an agent.
     """
-    async with match as (hosted, agents):
+    async with at_play as (hosted, agents):
         stall = asyncio.create_task(_watch_for_stall())
         try:
             outcome = await _outcome(hosted, agents)

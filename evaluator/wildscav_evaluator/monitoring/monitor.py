@@ -183,7 +183,10 @@ class MonitorOptions:
 
 
 class Monitor:
-    """Passes the events of an evaluation on to dashboard, log and metrics; ``nodes`` are of a cluster."""
+    """Passes the events of an evaluation on to dashboard, log and metrics.
+
+    ``nodes`` returns the machines of the cluster that plays its matches, if there is one.
+    """
 
     def __init__(
         self,

@@ -55,7 +55,10 @@ class RunningMatch:
 
 
 class Tally:
-    """Counts the states and results of jobs, by a clock in seconds; ``nodes`` are of the cluster, if any."""
+    """Counts the states and results of jobs.
+
+    ``clock`` returns seconds since any fixed moment; ``nodes`` the machines of a cluster, if one plays them.
+    """
 
     def __init__(
         self,

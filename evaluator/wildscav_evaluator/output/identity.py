@@ -145,7 +145,8 @@ def _signed(key: str | None) -> str:
 
 
 def _difference_of_limits(old: dict[str, KeptLimits], new: dict[str, KeptLimits]) -> str:
-    """Return the first limit that differs; both have the same tracks."""
+    if old.keys() != new.keys():
+        return "its limits are of other tracks"
     track = next(track for track in new if new[track] != old[track])
     name, was, wanted = _other_field(old[track], new[track])
     return f"its limit of {name} on {track} is {_limit(was)}, not {_limit(wanted)}"

@@ -144,7 +144,7 @@ def judge(low: float, high: float, pairs: int, *, lower_is_better: bool) -> Verd
 
 
 def check_comparison(out: Path, results: Results) -> str:
-    """Return why a folder's comparison, if any, does not follow from its results; nothing if it does."""
+    """Return why a folder's comparison, if any, does not follow from its results; empty if it does."""
     path = out / COMPARISON_FILE
     try:
         reported = Comparisons.read(path)

@@ -61,7 +61,10 @@ def _on_track(reference: Reference, played: Evaluation) -> Estimate:
 
 
 def across_tracks(scores: Sequence[Sequence[float]]) -> tuple[Estimate, Estimate]:
-    """Return the mean of the tracks' means, and the interquartile mean of all matches, each scored."""
+    """Return the mean of the tracks' means, and the interquartile mean of all matches.
+
+    ``scores`` are the normalized ones of each track's matches, at least one.
+    """
     mean = math.fsum(math.fsum(track) / len(track) for track in scores) / len(scores)
     iqm = float(_middle(np.concatenate([np.array(track) for track in scores])[None])[0])
     fewest = min(map(len, scores))

@@ -29,7 +29,10 @@ def summary(metrics: Iterable[MetricInfo], rows: Iterable[MatchRow]) -> dict[str
 
 
 def summarize(values: Sequence[float]) -> Summary:
-    """Return mean, sample deviation and bootstrap interval of a metric over one match or more, in order."""
+    """Return mean, sample standard deviation and bootstrap interval of a metric over matches.
+
+    ``values`` are in the order of the suite; there is at least one.
+    """
     count, mean = len(values), mean_of(values)
     squares = math.fsum((value - mean) ** 2 for value in values)
     deviation = math.sqrt(squares / (count - 1)) if count > 1 else None

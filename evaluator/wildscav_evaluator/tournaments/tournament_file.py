@@ -90,7 +90,7 @@ def tournament_of(results: Results) -> Tournament:
 
 
 def check_tournament(out: Path, results: Results) -> str:
-    """Return why the ratings in a folder, if any, do not follow from some results; nothing if they do."""
+    """Return why the ratings in a folder, if any, do not follow from some results; empty if they do."""
     path = out / TOURNAMENT_FILE
     try:
         reported = Tournament.read(path)

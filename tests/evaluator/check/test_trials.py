@@ -3,16 +3,19 @@
 import dataclasses
 import json
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 from tests.evaluator.sample_agents import WALKER, Command, Submit
 from tests.evaluator.small_matches import need, tiny_suite
 
+from wildscav.errors import UserError
 from wildscav_engine.maps import map_spec
 from wildscav_engine.simulation.match import Match
 from wildscav_evaluator.check.findings import Finding, Verdict, advice_on
 from wildscav_evaluator.check.trials import Tell, Trial, run_checks
+from wildscav_evaluator.cli.sessions import check as checking
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, SANDBOXES, Limits
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES, Suite
@@ -228,6 +231,25 @@ def test_what_is_not_as_it_should_be_is_named(
     assert found[check].verdict == verdict
     assert seen in found[check].seen
     assert found[check].advice
+
+
+@pytest.mark.parametrize("verdict", Verdict)
+def test_what_breaks_no_rule_may_be_submitted(
+    submit: Submit,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    verdict: Verdict,
+) -> None:
+    found = [Finding("actions", verdict, "what was seen", "advice")]
+    monkeypatch.setattr(checking, "run_checks", lambda *_, **__: found)
+    broken = verdict == Verdict.BROKEN
+
+    with pytest.raises(UserError, match="agent fails 1 check") if broken else nullcontext() as refused:
+        checking.run_check(submit("agent", WALKER), SANDBOXES["process"], tmp_path, {})
+
+    assert refused is None or refused.value.exit_code == 1
+    assert ("may be submitted" in capsys.readouterr().out) != broken
 
 
 def test_every_outcome_has_a_way_to_mend_it() -> None:

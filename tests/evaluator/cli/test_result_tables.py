@@ -17,6 +17,7 @@ from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.cli.result_tables import (
+    LIMITS,
     RATING_LEGEND,
     evaluation_waits_note,
     invalid_actions_note,
@@ -245,6 +246,7 @@ def test_conditions_are_told_once_for_all_tracks_that_share_them(
     limits: dict[str, KeptLimits], lines: list[str]
 ) -> None:
     assert list(sandbox_and_limits("oci", limits)) == lines
+    assert LIMITS.keys() == KeptLimits.model_fields.keys()
 
 
 @pytest.mark.parametrize(
@@ -253,11 +255,11 @@ def test_conditions_are_told_once_for_all_tracks_that_share_them(
         (1000, 1000, "me: 1,000 of 1,000 actions were invalid and played as no action"),
         (300, 1, "me: 1 of 300 actions was invalid"),
         (1, 1, "me: 1 of 1 action was invalid"),
-        (300, 0, "None"),  # nothing to tell
     ],
 )
 def test_invalid_actions_are_told(actions: int, invalid: int, says: str) -> None:
     assert str(invalid_actions_note("me", actions=actions, invalid=invalid)).startswith(says)
+    assert invalid_actions_note("me", actions=actions, invalid=0) is None
 
 
 def test_what_waits_for_a_processor_did_not_cost_is_told() -> None:

@@ -13,8 +13,11 @@ MEMORY = 80 << 20  # bytes of each node's object store; Ray's least is 75 MiB
 
 def main() -> None:
     """Start a head without cores, carry out commands, and answer each with a line."""
-    network = json.loads(sys.stdin.readline())["network"]
+    settings = json.loads(sys.stdin.readline())
+    if settings["ray_version"]:
+        import ray
 
+        ray.__version__ = settings["ray_version"]
     from ray.cluster_utils import Cluster
 
     head = {
@@ -23,7 +26,7 @@ def main() -> None:
         "include_log_monitor": False,
         "no_monitor": True,  # nobody scales it
         "object_store_memory": MEMORY,
-        "node_ip_address": f"127.0.{network}.1",
+        "node_ip_address": f"127.0.{settings['network']}.1",
         "node_name": "head",
     }
     cluster = Cluster(initialize_head=True, head_node_args=head)
@@ -35,7 +38,7 @@ def main() -> None:
             nodes[command["name"]] = cluster.add_node(
                 num_cpus=command["cores"],
                 node_name=command["name"],
-                node_ip_address=f"127.0.{network}.{len(nodes) + 2}",
+                node_ip_address=f"127.0.{settings['network']}.{len(nodes) + 2}",
                 object_store_memory=MEMORY,
                 env_vars=command["variables"],
             )

@@ -18,9 +18,9 @@ MARK = "WILDSCAV_TEST_CLUSTER"  # a variable that all processes of a cluster hav
 
 
 class RayCluster:
-    """A cluster with a head that has no cores, to which nodes are added."""
+    """A cluster with a head that has no cores, to which nodes are added; of any release of Ray."""
 
-    def __init__(self) -> None:
+    def __init__(self, ray_version: str = "") -> None:
         self.mark, token = secrets.token_hex(8), secrets.token_hex(32)
         # Nobody else may use it: Ray runs whatever it is sent.
         self.environment = {
@@ -39,7 +39,7 @@ class RayCluster:
             text=True,
             env={**self.environment, MARK: self.mark},
         )
-        self._send(network=1 + secrets.randbelow(250))
+        self._send(network=1 + secrets.randbelow(250), ray_version=ray_version)
         self.address = self._line()
 
     def _send(self, **command: object) -> None:
@@ -96,9 +96,9 @@ class RayCluster:
 
 
 @contextlib.contextmanager
-def ray_cluster(*nodes: str, cores: int = 1) -> Iterator[RayCluster]:
+def ray_cluster(*nodes: str, cores: int = 1, ray_version: str = "") -> Iterator[RayCluster]:
     """Run a cluster with some nodes for as long as the block lasts."""
-    cluster = RayCluster()
+    cluster = RayCluster(ray_version)
     try:
         for name in nodes:
             cluster.add(name, cores)

@@ -5,12 +5,13 @@ import socket
 from pathlib import Path
 
 import pytest
+from tests.evaluator.executors.ray_clusters import ray_cluster
 from tests.evaluator.sample_agents import WALKER, Command, Submit
 
 from wildscav.errors import UserError
 from wildscav_evaluator.executors import EXECUTORS, ExecutorError
 from wildscav_evaluator.executors.base import Examined
-from wildscav_evaluator.executors.cluster.connection import _reason, check_address
+from wildscav_evaluator.executors.cluster.connection import check_address
 from wildscav_evaluator.executors.ray_executor import _no_sandbox
 
 
@@ -80,9 +81,14 @@ def test_why_no_node_can_play(found: list[Examined], reason: str) -> None:
     assert _no_sandbox(found, ["oci"]) == reason
 
 
-def test_another_release_of_ray_is_told_in_one_line() -> None:
-    error = RuntimeError("There:\n Ray: 2.55.0\n Python: 3.11.2\nHere:\n Ray: 2.50.1\n Python: 3.11.2")
+@pytest.mark.slow
+def test_a_cluster_of_another_release_of_ray_is_refused_in_one_line(
+    wildscav: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with ray_cluster(ray_version="2.55.0") as cluster:
+        cluster.use(monkeypatch)
+        refused = wildscav("doctor", "--executor=ray", f"--address={cluster.address}")
 
-    assert _reason("10.0.0.1:6379", error).startswith(
-        "the Ray cluster at 10.0.0.1:6379 runs Ray 2.55.0 with Python 3.11.2, but here are Ray 2.50.1"
-    )
+    assert refused.returncode == 1
+    assert refused.stderr.startswith(f"wildscav: the Ray cluster at {cluster.address} runs Ray 2.55.0")
+    assert len(refused.stderr.splitlines()) == 1

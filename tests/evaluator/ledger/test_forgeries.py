@@ -56,7 +56,7 @@ def test_a_forgery_of_results_and_records_is_found_out_though_nobody_signed(
     assert "results.json is not the file that ledger.jsonl was closed with" in said
 
 
-@pytest.mark.parametrize("name", ["the worst match dropped", "another sandbox"])
+@pytest.mark.parametrize("name", FORGERIES)
 def test_a_forgery_of_everything_cannot_be_signed(
     signed: Forgery, rescored: Rescored, key: SigningKey, tmp_path: Path, name: str
 ) -> None:

@@ -220,8 +220,9 @@ def test_an_edited_ledger_does_not_get_into_the_results(plan: EvaluationPlan, un
 def test_a_signed_evaluation_goes_on_only_with_its_key(
     plan: EvaluationPlan, signed: Forgery, tmp_path: Path
 ) -> None:
-    with pytest.raises(UserError, match=r"it is signed with the key .*, not unsigned"):
+    with pytest.raises(UserError, match=r"it is signed with the key .*, not unsigned") as refused:
         run_session(replace(plan, key=None, out=signed.out))
+    assert refused.value.exit_code == 2
     other = new_key(tmp_path / "other.key")
     with pytest.raises(UserError, match=f"not signed with the key {other.public}"):
         run_session(replace(plan, key=other, out=signed.out))

@@ -46,11 +46,16 @@ ALL = [
     *(
         pytest.param(*seam, marks=pytest.mark.slow)
         for seam in (
-            ("wildscav_engine.simulation.match:Match.start_info", 2),  # for the first message to a seat
+            ("wildscav_engine.simulation.match:Match.start_info", 1),  # for the first message to a seat
+            ("wildscav_engine.simulation.match:Match.start_info", 2),
             ("wildscav_engine.simulation.match:Match.result", 1),  # for the last one
             ("wildscav_server.hosting.seat:Seat.read_sensors", 5),
+            ("wildscav_server.hosting.observations:SeatObservations.encode", 5),
+            ("wildscav_server.endpoints.match_service:MatchService._find_reservation", 2),
             ("wildscav_server.hosting.hosted_match:HostedMatch.join", 2),
             ("wildscav_server.hosting.hosted_match:HostedMatch.ready", 1),
+            ("wildscav_server.hosting.hosted_match:HostedMatch.next_observation", 3),
+            ("wildscav_server.hosting.hosted_match:encode_match_info", 1),
             ("wildscav_server.hosting.hosted_match:encode_seat_result", 2),
             ("wildscav_server.hosting.seat:Seat.conduct_message", 1),
             ("wildscav_server.time_limits:TimeBank.charge", 3),

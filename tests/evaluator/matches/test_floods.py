@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.evaluator.sample_agents import WALKER, Submit
-from tests.evaluator.small_matches import play, seated
+from tests.evaluator.small_matches import need, play, seated
 from tests.platform.helpers import raw_http2
 from tests.platform.helpers.attacked_server import memory
 
@@ -81,6 +81,7 @@ def flooder(submit: Submit, when: str, kind: str) -> Submission:
 def test_a_flood_from_a_sandbox_costs_the_other_seat_no_step(
     submit: Submit, tmp_path: Path, sandbox: str, when: str, kind: str
 ) -> None:
+    need(sandbox)  # its trial takes memory, too
     seating = seated(
         flooder(submit, when, kind), submit("victim", WALKER), folder=tmp_path, seconds=STEPS / 10
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from tests.evaluator.conftest import submission_in
 from tests.evaluator.sample_agents import SLEEPER, WALKER, Submit
-from tests.evaluator.small_matches import play, seated
+from tests.evaluator.small_matches import need, play, seated
 
 from wildscav_evaluator.matches.play import MatchAssignment, PlayedMatch, play_match
 from wildscav_evaluator.sandbox.process import kill_session
@@ -71,7 +71,16 @@ FAILING = {
         "ValueError: no reason",
     ),
     "quitter": ("    def act(self, observation): os._exit(0)", "exit code 0"),
-    "killed": ("    def act(self, observation): os.kill(os.getpid(), 9)", "killed by SIGKILL"),
+    "killed": (
+        """
+    def act(self, observation):
+        if observation.step == 20:
+            print("going", flush=True)
+            os.kill(os.getpid(), 9)
+        return Action()
+""",
+        "killed by SIGKILL): going",
+    ),
 }
 
 
@@ -93,6 +102,12 @@ def test_an_agent_that_fails_is_named_with_its_last_words(
     assert report.status == SeatStatus.CRASHED
     assert FAILING[name][1] in report.detail
     assert "\n" not in report.detail
+
+
+def test_an_agent_that_is_killed_is_reported_with_its_signal_and_steps(among_failing: PlayedMatch) -> None:
+    killed = among_failing.seats[list(FAILING).index("killed")]
+
+    assert (killed.killed_by, killed.last_lines, killed.steps_played) == ("SIGKILL", ("going",), 20)
 
 
 def test_those_that_fail_cost_another_no_step(among_failing: PlayedMatch) -> None:
@@ -138,7 +153,7 @@ def test_a_match_that_is_cancelled_leaves_no_agent_behind(submit: Submit, tmp_pa
 def test_no_list_of_processes_is_read_where_agents_are_timed(
     submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, sandbox: str
 ) -> None:
-
+    need(sandbox)  # which may read the list itself
     readers: list[threading.Thread] = []
     listdir = os.listdir
 

@@ -12,7 +12,7 @@ from tests.evaluator.sample_agents import WALKER, Submit
 
 from wildscav.errors import UserError
 from wildscav_evaluator.output.folder import keep_only, output_folder
-from wildscav_evaluator.output.identity import Identity, read_identity, write_identity
+from wildscav_evaluator.output.identity import Identity, difference, read_identity, write_identity
 from wildscav_evaluator.output.layout import IDENTITY_FILE
 from wildscav_evaluator.output.lock import LOCK, locked
 from wildscav_evaluator.output.numbered_folders import own_folder
@@ -85,6 +85,8 @@ def test_limits_are_of_an_evaluation_as_far_as_its_sandbox_keeps_them(plan: Eval
     with output_folder(plan.out, plan.identity()):
         pass
     assert "its limit of memory on navigation is 2,147,483,648, not 1,073,741,824" in refusal(less)
+    without = plan.identity().model_copy(update={"limits": {}})
+    assert difference(without, plan.identity()) == "its limits are of other tracks"
 
 
 def test_a_folder_that_does_not_say_what_it_holds_is_refused(plan: EvaluationPlan) -> None:

@@ -12,6 +12,7 @@ from tests.evaluator.small_matches import tiny_suite
 from wildscav_evaluator.cli.sessions.rescore import run_rescore
 from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_evaluator.ledger.keys import SigningKey
+from wildscav_evaluator.output.layout import LEDGER_FILE
 from wildscav_evaluator.output.results import read_results
 
 pytestmark = pytest.mark.usefixtures("compiled")
@@ -38,6 +39,12 @@ def check_same_as_whole(out: Path, whole: Path) -> None:
     assert len({(one.submission, one.index) for one in timings}) == len(timings) == MATCHES
 
 
+def entries(out: Path) -> tuple[int, int]:
+    """How many entries the ledger has, and how many of them say that the evaluation was resumed."""
+    ledger = (out / LEDGER_FILE).read_bytes() if (out / LEDGER_FILE).exists() else b""
+    return ledger.count(b"\n"), ledger.count(b'"kind":"resumed"')
+
+
 @pytest.mark.slow
 def test_kills_at_random_moments_lose_nothing(
     arguments: tuple[object, ...], key: SigningKey, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -52,6 +59,7 @@ def test_kills_at_random_moments_lose_nothing(
     folders = (tmp_path / f"out-{number}" for number in range(1000))
     out, before = next(folders), {}
     while True:
+        earlier, resumed = entries(out)
         sitting = Sitting(out, *arguments)
         killed = kills < most and sitting.kill_after(dice.uniform(0.0, 0.7 * length))
         if killed:
@@ -59,6 +67,8 @@ def test_kills_at_random_moments_lose_nothing(
             check_whole(out)
         else:
             sitting.process.wait()
+        total, again = entries(out)
+        assert again - resumed == (0 < earlier < total), "a sitting that goes on says so, and once"
         now = entered(out)
         assert {stem: now.get(stem) for stem in before} == before, "a match was lost or played again"
         before = now

@@ -36,6 +36,13 @@ def test_a_tie_of_equals_changes_no_mean_but_what_is_known() -> None:
     assert all(skill.sigma < 25 / 3 for skill in after.values())
 
 
+def test_a_tie_moves_unequals_towards_each_other() -> None:
+    after = Ladder({"a": Skill(30.0, 4.0)}).apply(match(1, 1))
+
+    assert after["a"].mu < 30.0
+    assert after["b"].mu > 25.0
+
+
 def test_teammates_move_together_by_how_little_each_is_known() -> None:
     teams = RatedMatch(0, (("a", "b"), ("c", "d")), (2, 1))
     after = Ladder({"a": Skill(25.0, 2.0)}).apply(teams)

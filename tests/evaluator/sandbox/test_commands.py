@@ -58,6 +58,8 @@ def test_a_program_that_is_not_there_is_the_agents_fault_and_named(sandbox: Sand
     assert ending.platform_fault == ""
     assert ending.exit_code not in (0, None)
     assert "no-such-program" in ending.last_words
+    if not sandbox.isolated:
+        assert ending.last_words == "cannot run no-such-program: No such file or directory"
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ ROOTS = {"files_make_a_device", "files_write_kernel_settings", "kernel_mount", "
 @pytest.fixture(scope="module")
 def unprotected() -> Report:
     report = attack("process")
+    assert set(report.worked) == set(ATTACKS)
     for process in report.survivors:
         os.kill(process, signal.SIGKILL)
     return report
@@ -29,7 +30,9 @@ def unprotected() -> Report:
 
 @pytest.fixture(scope="module")
 def sandboxed(real: Sandbox) -> Report:
-    return attack(real.name)
+    report = attack(real.name)
+    assert set(report.worked) == set(ATTACKS)
+    return report
 
 
 @pytest.mark.parametrize("name", ATTACKS)

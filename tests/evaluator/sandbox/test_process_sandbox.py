@@ -2,6 +2,7 @@
 
 import asyncio
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -125,6 +126,38 @@ def test_an_agent_ends_when_whoever_started_it_is_killed(submit: Submit, tmp_pat
     wait_until(lambda: not running(agent))
     for child in log.read_text().split()[:2]:
         os.kill(int(child), signal.SIGKILL)
+
+
+# An agent ends, a stranger gets its number, and then the agent is stopped. It runs in a namespace of process
+# numbers, in which it may choose the next one.
+REUSER = """
+import asyncio, subprocess, sys
+from pathlib import Path
+from wildscav_evaluator.sandbox import SANDBOXES, Launch
+
+async def run():
+    launch = Launch(Path(sys.argv[1]), "agent:Player", "unix:/nowhere", "of the seat", Path(sys.argv[2]))
+    agent = await SANDBOXES["process"].start(launch)
+    await agent.ended()
+    Path("/proc/sys/kernel/ns_last_pid").write_text(str(agent.pid - 1))
+    stranger = subprocess.Popen(["sleep", "100"], start_new_session=True)
+    assert stranger.pid == agent.pid
+    await agent.stop()
+    assert stranger.poll() is None
+
+asyncio.run(run())
+"""
+UNSHARE = ("unshare", "--pid", "--fork", "--mount-proc")
+
+
+def test_stopping_an_agent_that_has_ended_spares_whoever_got_its_number(
+    submit: Submit, tmp_path: Path
+) -> None:
+    if shutil.which("unshare") is None or subprocess.call([*UNSHARE, "true"]):
+        pytest.skip("it takes Linux and root")
+    submission = submit("short", code="")
+
+    subprocess.run([*UNSHARE, sys.executable, "-c", REUSER, submission.folder, tmp_path / "log"], check=True)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="pidfds are Linux's")

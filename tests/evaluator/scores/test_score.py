@@ -10,20 +10,22 @@ from wildscav_evaluator.scores.score import summarize, summary
 
 
 @pytest.mark.parametrize(
-    ("values", "mean", "std", "low", "high"),
+    ("values", "mean", "std", "low", "high", "within"),
     [
-        ([3.0], 3.0, None, 3.0, 3.0),  # a single match has no deviation and no width
-        ([1.0, 5.0, 9.0], 5.0, 4.0, 1.0, 9.0),  # the interval of a few is as wide as they lie apart
-        ([2.0, 4.0, 4.0, 6.0], 4.0, (8 / 3) ** 0.5, 2.0, 6.0),
+        ([3.0], 3.0, None, 3.0, 3.0, 0.0),  # a single match has no deviation and no width
+        ([1.0, 5.0, 9.0], 5.0, 4.0, 1.0, 9.0, 0.0),  # the interval of a few is as wide as they lie apart
+        ([2.0, 4.0, 4.0, 6.0], 4.0, (8 / 3) ** 0.5, 2.0, 6.0, 0.5),
         # Where normal theory holds: the standard error is 29.01 / sqrt(100), so 49.5 ± 1.96 · 2.9.
-        ([float(value) for value in range(100)], 49.5, 29.01, 43.8, 55.2),
+        ([float(value) for value in range(100)], 49.5, 29.01, 43.8, 55.2, 0.5),
     ],
 )
-def test_summaries(values: list[float], mean: float, std: float | None, low: float, high: float) -> None:
+def test_summaries(
+    values: list[float], mean: float, std: float | None, low: float, high: float, within: float
+) -> None:
     result = summarize(values)
 
     assert (result.mean, result.std) == (mean, std if std is None else pytest.approx(std, abs=0.005))
-    assert (result.low, result.high) == pytest.approx((low, high), abs=0.5)
+    assert (result.low, result.high) == pytest.approx((low, high), rel=0.0, abs=within)
     assert summarize(values) == result
 
 

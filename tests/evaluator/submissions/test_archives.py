@@ -97,7 +97,6 @@ def test_a_cache_keeps_what_was_used_last_and_whatever_may_be_in_use(cache: Path
     assert {path.name for path in cache.iterdir()} == {"today"}
 
 
-@pytest.mark.usefixtures("here")
 def test_an_archive_that_was_asked_for_again_counts_as_used(tmp_path: Path, cache: Path) -> None:
     archive = pack(tmp_path / "a.zip", GOOD)
     folder = unpack(archive)
@@ -155,19 +154,19 @@ def test_names_stay_inside_and_are_names(
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("target", ["/etc/passwd", "../../outside", "agent.py"])
 @pytest.mark.parametrize(
-    ("name", "kind"),
+    ("name", "kind", "says"),
     [
-        ("a.zip", tarfile.SYMTYPE),
-        *(
-            ("a.tar.gz", kind)
-            for kind in (tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.FIFOTYPE, tarfile.CHRTYPE)
-        ),
+        ("a.zip", tarfile.SYMTYPE, "a link"),
+        ("a.tar.gz", tarfile.SYMTYPE, "a link"),
+        ("a.tar.gz", tarfile.LNKTYPE, "a link"),
+        ("a.tar.gz", tarfile.FIFOTYPE, "a special file"),
+        ("a.tar.gz", tarfile.CHRTYPE, "a special file"),
     ],
 )
 def test_links_and_special_files_are_refused(
-    tmp_path: Path, cache: Path, name: str, kind: bytes, target: str
+    tmp_path: Path, cache: Path, name: str, kind: bytes, says: str, target: str
 ) -> None:
-    with pytest.raises(ArchiveError, match=r"'odd' is .*: an archive may have plain files and folders"):
+    with pytest.raises(ArchiveError, match=f"'odd' is {says}: an archive may have plain files and folders"):
         unpack(special(tmp_path / name, "odd", target, kind))
 
     assert list(cache.iterdir()) == []

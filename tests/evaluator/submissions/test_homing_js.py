@@ -93,6 +93,14 @@ def test_it_plays_to_the_end_and_reaches_the_target(
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("compiled")
+def test_it_passes_every_check(wildscav: Command, built: Path, tmp_path: Path) -> None:
+    done = wildscav("check", built, "--sandbox=process", "--logs", tmp_path / "logs")
+
+    assert "homing-js may be submitted" in done.stdout, done.stdout + done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("compiled")
 def test_it_reaches_about_as_many_targets_as_homing(wildscav: Command, built: Path, tmp_path: Path) -> None:
     options = ("--track=navigation", "--suite=quick", "--seed=1", "--replays=none", "--sandbox=process")
 

@@ -101,7 +101,10 @@ def chosen_settings(
 
 
 def _places(entrants: int, seats: int, size: int, *, mixed: bool) -> int:
-    """Return the number of entrants in a match; UserError without so many, or without whole teams."""
+    """Return how many entrants a match has, whose seats are in teams of a size.
+
+    UserError if there are fewer, or the seats are no whole teams.
+    """
     if seats % size:
         raise UserError(f"--seats is {seats}, must be a multiple of the team size {size}", exit_code=2)
     if mixed and entrants < 2 * size:

@@ -26,7 +26,7 @@ pytestmark = pytest.mark.usefixtures("compiled")
 
 
 @pytest.fixture(scope="module")
-def evaluated(tmp_path_factory: pytest.TempPathFactory, warm_workers: WarmWorkers) -> tuple[Path, Done]:
+def of_three(tmp_path_factory: pytest.TempPathFactory, warm_workers: WarmWorkers) -> tuple[Path, Done]:
     """The folder of an evaluation of one that walks, one that crashes and one that sends invalid actions."""
     place = tmp_path_factory.mktemp("evaluation")
     runner = "    def act(self, observation): return Action(walk_speed=99.0, shoot=True)"
@@ -45,8 +45,8 @@ def complaint(done: Done) -> str:
 
 
 @pytest.mark.slow
-def test_a_failing_agent_harms_nobody(evaluated: tuple[Path, Done]) -> None:
-    out, done = evaluated
+def test_a_failing_agent_harms_nobody(of_three: tuple[Path, Done]) -> None:
+    out, done = of_three
 
     assert done.returncode == 1
     assert "crasher failed in every match of navigation" in complaint(done)
@@ -67,9 +67,9 @@ def test_a_failing_agent_harms_nobody(evaluated: tuple[Path, Done]) -> None:
 
 @pytest.mark.slow
 def test_every_match_has_its_record_and_the_first_of_each_submission_a_replay(
-    evaluated: tuple[Path, Done],
+    of_three: tuple[Path, Done],
 ) -> None:
-    out, _ = evaluated
+    out, _ = of_three
     walker, crasher, _ = evaluations = read_results(out / "results.json").evaluations
 
     for first, second in (one.matches for one in evaluations):
@@ -84,9 +84,9 @@ def test_every_match_has_its_record_and_the_first_of_each_submission_a_replay(
 
 @pytest.mark.slow
 def test_the_command_shows_scores_times_invalid_actions_and_where_everything_is(
-    evaluated: tuple[Path, Done],
+    of_three: tuple[Path, Done],
 ) -> None:
-    out, done = evaluated
+    out, done = of_three
     said = " ".join(done.stdout.split())
     walker, _, runner = (
         [row.seats[0] for row in one.matches] for one in read_results(out / "results.json").evaluations
@@ -108,9 +108,9 @@ def test_the_command_shows_scores_times_invalid_actions_and_where_everything_is(
 
 @pytest.mark.slow
 def test_a_record_with_one_action_changed_no_longer_holds(
-    wildscav: Command, evaluated: tuple[Path, Done], tmp_path: Path
+    wildscav: Command, of_three: tuple[Path, Done], tmp_path: Path
 ) -> None:
-    out, _ = evaluated
+    out, _ = of_three
     path = Path(shutil.copy(out / "records" / "navigation-000-walker.wsr", tmp_path))
     record = read_record(path)
     actions = record.actions.copy()
