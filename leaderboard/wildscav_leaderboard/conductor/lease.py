@@ -128,7 +128,11 @@ class LeaseKeeper:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """Stop renewing."""
+        """Stop renewing.
+
+        Raises:
+            LeaseLostError: The work was interrupted because the lease is lost.
+        """
         self._ended.set()
         self._thread.join()
         if self._is_main:

@@ -162,7 +162,11 @@ def _settling(session: Session, season: Season) -> Ending | None:
 
 
 def _check_playable(session: Session, season: Season) -> None:
-    """Check that no match waits that cannot be played here."""
+    """Check that no match waits that cannot be played here.
+
+    Raises:
+        RefusalError: Some do; it names the submissions.
+    """
     sandbox = sandbox_of(session, season)
     for track, edition in season.editions.items():
         obstacle = edition.obstacle(sandbox, season.settings.model)
@@ -179,7 +183,11 @@ def _check_playable(session: Session, season: Season) -> None:
 
 
 def _check_complete(session: Session, season: Season) -> None:
-    """Check that no entry would drop out of a board because its matches were not played."""
+    """Check that no entry would drop out of a board because its matches were not played.
+
+    Raises:
+        RefusalError: Some would; it names each of them.
+    """
     missing = []
     for track, edition in season.editions.items():
         own = select(MatchSeat.entrant, func.count(Match.id.distinct())).join(
@@ -260,7 +268,11 @@ def _decided_by(session: Session, season: Season, field: Mapping[str, list[int]]
 
 
 def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> Ending | None:
-    """Return how far the matches that decide the season are; None if they are played."""
+    """Return how far the matches that decide the season are; None if they are played.
+
+    Raises:
+        RefusalError: Some were given up.
+    """
     playing = _active(session, field)
     own = select(func.count()).where(Match.kind == FINAL, Match.group_id.in_(playing))
     given_up = session.scalars(

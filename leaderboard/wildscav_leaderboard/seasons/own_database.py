@@ -47,7 +47,11 @@ def opened(season: Season, *, any_version: bool = False) -> Iterator[Database]:
 
 
 def _check_own(session: Session, season: Season, database: Database) -> bool:
-    """Return whether a database knows that it is this season's."""
+    """Return whether a database knows that it is this season's.
+
+    Raises:
+        UserError: It is another one's.
+    """
     known = read_state(session, SEASON)
     if known is not None and known["commitment"] != season.seed.commitment:
         raise UserError(

@@ -213,7 +213,11 @@ class RenderCache:
             self._tasks.pop(f"{key}.{work}", None)
 
     def _render(self, record: Path, wanted: dict[str, Path], lock: int) -> None:
-        """Run the process that renders files, given by their products."""
+        """Run the process that renders files, given by their products.
+
+        Raises:
+            UserError: It failed; the message is one line for a page.
+        """
         program = [sys.executable, "-m", "wildscav_leaderboard.spectating.render"]
         targets = [f"{product}={target}" for product, target in wanted.items()]
         with self._lock:
@@ -243,7 +247,11 @@ class RenderCache:
             raise UserError(_reason(process.returncode, said, record))
 
     def _take_in(self, rendered: Path) -> None:
-        """Put a complete file into the cache, in place of those that were not used for the longest time."""
+        """Put a complete file into the cache, in place of those that were not used for the longest time.
+
+        Raises:
+            UserError: It is larger than the whole cache.
+        """
         size = rendered.stat().st_size
         if size > self.limit:
             raise UserError(f"it has {size:,} bytes, and {self.limit:,} are allowed for all matches together")

@@ -106,7 +106,11 @@ def hand_in(
 
 
 def _check_place(session: Session, season: Season, submission: Submission) -> None:
-    """Check that there will be a place for a submission, as things are now."""
+    """Check that there will be a place for a submission, as things are now.
+
+    Raises:
+        RefusalError: It names one to replace that takes part on none of its tracks, or all are kept.
+    """
     places = [quotas.on_track(session, submission.team_id, track) for track in submission.tracks]
     if submission.replaces not in {None, *(one.id for place in places for one in place)}:
         tracks = " and ".join(submission.tracks)

@@ -90,6 +90,7 @@ def test_an_invitation_registers_as_many_as_it_says_and_in_its_role(callers: Cal
         ("/submissions/1/rerun", None, 409),
         ("/submissions/9/rerun", None, 404),
         ("/submissions/1/disqualify", {"reason": ""}, 422),
+        ("/teams/wolves/disqualify", {"reason": "why not"}, 404),
         ("/invitations", {"role": COMPETITOR, "uses": 0}, 422),
     ],
 )

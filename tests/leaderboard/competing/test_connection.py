@@ -166,17 +166,26 @@ def test_what_cannot_be_a_token_is_not_sent(token: str) -> None:
         Connection("http://127.0.0.1:1", token)
 
 
+NOON = datetime(2030, 6, 1, 12, tzinfo=UTC)
 FIRST = SubmissionView(
-    **dict.fromkeys(("id", "size"), 7),
-    **dict.fromkeys(("team", "team_title", "name", "version", "message", "digest"), "ants"),
-    **dict.fromkeys(("created", "since"), datetime(2030, 6, 1, 12, tzinfo=UTC)),
-    **dict.fromkeys(("deadline", "fault")),
+    id=7,
+    team="ants",
+    team_title="The Ants",
+    name="walker",
+    version="1",
+    message="",
+    tracks=["battle"],
+    digest="ab" * 16,
+    size=1,
+    created=NOON,
+    state="submitted",
+    since=NOON,
+    playing=[],
     kept=False,
+    deadline=None,
     charged=True,
     platform_faults=0,
-    playing=[],
-    tracks=["battle"],
-    state="submitted",
+    fault=None,
 )
 
 

@@ -62,6 +62,8 @@ def test_the_seasons_refusals_are_told_in_one_line(competitor: Competitor) -> No
     same = competitor.refused("submit", "walker")
     assert "has the same content on battle and is submitted: nothing was submitted or charged" in same
     write_agent(competitor.folder, "royal", tracks='["royale"]')
+    none = competitor.refused("submit", "royal")
+    assert "plays royale, and the season has only navigation, battle" in none
     long = competitor.refused("submit", "royal", "-m", "x" * 2000)
     assert "message: String should have at most 1000 characters" in long
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -15,6 +15,7 @@ from tests.leaderboard.seasons_made import NOON, opened, team_with_member
 
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.accounts.service import Caller, known_account
+from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.service import refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
@@ -187,8 +188,8 @@ class Conducted:
         """Bring the boards up to date; return the tracks whose boards changed."""
         return self.write(lambda session: refresh(session, self.season, self.now, *scores))
 
-    def board(self, track: str, audience: str = PUBLIC) -> Any:
-        """Return a board."""
+    def board(self, track: str, audience: str = PUBLIC) -> BoardDocument | None:
+        """Return a board; None if there is none yet."""
         with self.database.reading() as session:
             return read_board(session, track, audience)
 

@@ -38,7 +38,9 @@ def test_the_boards_freeze_once_at_their_date_and_again_if_it_is_moved(
     database: Database, season: Season
 ) -> None:
     moved = changed(season, freezes=DUE + timedelta(days=1))
+    endless = changed(season, freezes=None)
     for one, now, comes, frozen in (
+        (endless, NOON + timedelta(days=365), False, False),
         (season, DUE - SECOND, False, False),
         (season, DUE, True, True),
         (season, DUE, False, True),
@@ -46,7 +48,7 @@ def test_the_boards_freeze_once_at_their_date_and_again_if_it_is_moved(
         (moved, DUE + SECOND, True, False),
         (moved, DUE + 2 * SECOND, False, False),
         (moved, DUE + timedelta(days=1), True, True),
-        (changed(season, freezes=None), NOON + timedelta(days=365), True, False),
+        (endless, NOON + timedelta(days=365), True, False),
     ):
         with database.writing() as session:
             assert freeze_when_due(session, one, now) is comes

@@ -9,6 +9,7 @@ from tests.leaderboard.conductor.conducted import Conducted, conducting
 from tests.leaderboard.seasons_made import make_season
 
 from wildscav.errors import UserError
+from wildscav_leaderboard.boards.documents import SuiteBoard
 from wildscav_leaderboard.conductor.editions import (
     EditionChange,
     apply_editions,
@@ -128,6 +129,7 @@ def test_matches_that_wait_are_played_by_the_edition_that_counts_them(season: Co
     (match,) = (season.match(match.id) for _, match in taken)
     season.refresh()
     found = season.board("navigation", audience_of(match.edition_id or 0))
+    assert found is not None
     assert sorted(row.matches for row in found.rows) == [2, 2], "each team's best one"
     assert 3 in found.entered, "and counts where it was planned"
     assert {match.spec["time_limit"] for _, match in season.take_matches(9)} == {5}
@@ -236,6 +238,7 @@ def test_a_season_does_not_end_while_somebody_would_drop_out(season: Conducted) 
         assert (entry.subject, entry.detail) == (f"submission {number}", "the disk of its host was lost")
     season.refresh()
     found = season.board("navigation")
+    assert found is not None
     assert number not in found.entered
 
 
@@ -265,6 +268,7 @@ def test_an_entry_is_judged_again_and_its_old_results_are_kept(season: Conducted
     assert ranked(season) == [("foxes", 2), ("owls", 2)], "the old results count until then"
     assert play(season, 9.0) == 2
     found = season.board("navigation")
+    assert isinstance(found, SuiteBoard)
     means = {row.team: row.metrics["time"].mean for row in found.rows}
     assert means == {"foxes": 9.0, "owls": 1.0}
     assert counts(season) == {FINISHED: 6}

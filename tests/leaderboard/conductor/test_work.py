@@ -193,14 +193,15 @@ def untold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Season:
 @pytest.mark.parametrize(
     ("named", "says"),
     [
-        ("", r"no sandbox works here .+ sandbox = 'process' in the settings"),
+        (None, r"no sandbox works here .+ sandbox = 'process' in the settings"),
         ("bubblewrap", "the sandbox bubblewrap cannot be kept here"),  # for all seasons
     ],
 )
 def test_agents_of_strangers_run_in_a_sandbox_or_not_at_all(
-    untold: Season, monkeypatch: pytest.MonkeyPatch, named: str, says: str
+    untold: Season, monkeypatch: pytest.MonkeyPatch, named: str | None, says: str
 ) -> None:
-    monkeypatch.setenv(VARIABLE, named)
+    if named is not None:
+        monkeypatch.setenv(VARIABLE, named)
     with pytest.raises(UserError, match=says):
         chosen_sandbox(untold, LocalExecutor(1), open_log(None))
 

@@ -24,11 +24,11 @@ def serving(
 ) -> Iterator[tuple[FastAPI, httpx.Client]]:
     """Serve a season, and give the application and a client of it; perhaps it can render nothing."""
     app = create_app(season, database, **more)
-    if not renders:
-        app.state.renders.close()
-    with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
-        yield app, client
-    app.state.renders.close()
+    with closing(app.state.renders), closing(app.state.tables):
+        if not renders:
+            app.state.renders.close()
+        with served(app) as address, httpx.Client(base_url=address, timeout=60.0) as client:
+            yield app, client
 
 
 class Site(NamedTuple):

@@ -30,7 +30,7 @@ def without_token(headers: Any) -> dict[str, str]:
     return {name: value for name, value in (headers or {}).items() if name.lower() != "authorization"}
 
 
-@pytest.mark.parametrize("asker", ["visitor", "owner", "organizer"])
+@pytest.mark.parametrize("asker", ["visitor", "other", "owner", "organizer"])
 def test_answers_are_as_described_whatever_is_asked(site: Site, asker: str) -> None:
     """Every operation is sent valid requests and others."""
     schema = schemathesis.openapi.from_url(f"{site.client.base_url}/api/v1/openapi.json", timeout=60)

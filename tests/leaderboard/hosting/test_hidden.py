@@ -119,15 +119,14 @@ def walk(hostile_season: FilledSeason, shared: Path) -> Walk:
 def _walk(filled: FilledSeason, folder: Path) -> None:
     """Ask for everything in a season that is marked, and write the answers into a folder."""
     folder.mkdir()
-    stack = ExitStack()
-    _, app, client = stack.enter_context(serving_filled(filled, renders=False))  # so that nobody waits
-    routes = {
-        f"GET {route.path}"
-        for route in iter_route_contexts(app.routes)
-        if "GET" in (getattr(route, "methods", None) or ())
-    }
     answers: list[Answer] = []
-    with stack:
+    with ExitStack() as stack:
+        _, app, client = stack.enter_context(serving_filled(filled, renders=False))  # so that nobody waits
+        routes = {
+            f"GET {route.path}"
+            for route in iter_route_contexts(app.routes)
+            if "GET" in (getattr(route, "methods", None) or ())
+        }
         copy = stack.enter_context(copied_database(app, filled, folder))
         with Database(f"sqlite:///{copy}").writing() as session:
             matches = marked(session, filled)

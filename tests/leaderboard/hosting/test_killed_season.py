@@ -1,12 +1,15 @@
 """Whatever is killed at whatever moment: nothing is lost, nothing is done twice, nothing is stuck."""
 
 import os
+import random
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 import httpx
@@ -43,13 +46,18 @@ port = {port}
 requests_per_minute = 100000
 """
 PATIENCE = 600.0  # s
+QUIET = 3600.0  # s until everything has ended after the last kill
 
 
-def until(condition: Callable[[], bool]) -> None:
-    """Wait for something."""
-    end = time.monotonic() + PATIENCE
+def until(condition: Callable[[], bool], otherwise: str, longest: float = PATIENCE) -> None:
+    """Wait for something.
+
+    Args:
+        otherwise: What is wrong if it does not come.
+    """
+    end = time.monotonic() + longest
     while not condition():
-        assert time.monotonic() < end
+        assert time.monotonic() < end, otherwise
         time.sleep(0.5)
 
 
@@ -63,7 +71,8 @@ def served(season: Season, url: str) -> Iterator[dict[str, int]]:
         for part in ("web", "conductor"):
             log = stack.enter_context((season.folder.parent / f"{part}.log").open("wb"))
             started = subprocess.Popen([*command, f"--{part}"], env=environment, stdout=log, stderr=log)
-            processes[part] = stack.enter_context(started).pid
+            processes[part] = started.pid
+            stack.callback(started.wait, 60)
             stack.callback(started.terminate)
         yield processes
 
@@ -83,18 +92,21 @@ def command_of(process: int) -> bytes:
     return b""
 
 
-def kill(processes: list[int]) -> bool:
-    """Kill one of some processes, if there is one."""
+def kill(kind: str, parts: dict[str, int], server: PostgreSQL | None, chance: random.Random) -> bool:
+    """Kill a process of a kind, if there is one."""
+    if kind == "database" and server is not None:
+        server.stop("immediate")
+        time.sleep(chance.uniform(0.0, 2.0))
+        server.start()
+        return True
+    found = children(parts["web" if kind == "web" else "conductor"])
+    if kind == "worker":
+        # Not the agents: one that is killed has failed by its own fault, as far as anyone can see.
+        found = [one for part in found for one in children(part)]
     with suppress(ProcessLookupError, IndexError):
-        os.kill(processes[0], signal.SIGKILL)
+        os.kill(chance.choice(found), signal.SIGKILL)
         return True
     return False
-
-
-def crash(server: PostgreSQL) -> bool:
-    server.stop("immediate")
-    server.start()
-    return True
 
 
 def is_quiet(database: Database, season: Season) -> bool:
@@ -124,12 +136,17 @@ def is_answered(client: httpx.Client) -> bool:
     return False
 
 
-def test_web_conductor_workers_and_database_are_killed(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "kind",
+    ["sqlite", pytest.param("postgresql", marks=pytest.mark.skipif(bool(missing()), reason=missing()))],
+)
+def test_web_conductor_workers_and_database_are_killed(tmp_path: Path, kind: str) -> None:
+    chance = random.Random(kind)  # noqa: S311 (no secret)
     port, archive = free_ports(), tmp_path / "walker.tar.gz"
     season = make_season(tmp_path / "season", MORE.format(port=port), current=True)
     pack(write_agent(tmp_path, "walker", tracks='["navigation", "battle"]'), archive)
     with ExitStack() as stack:
-        server = None if missing() else stack.enter_context(postgresql_server())
+        server = stack.enter_context(postgresql_server()) if kind == "postgresql" else None
         database = Database(season.database_url if server is None else server.new_database())
         stack.callback(database.close)
         database.upgrade()
@@ -138,18 +155,18 @@ def test_web_conductor_workers_and_database_are_killed(tmp_path: Path) -> None:
         url = database.url.render_as_string(hide_password=False)
         parts = stack.enter_context(served(season, url))
         client = stack.enter_context(httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=60))
-        until(lambda: is_taken(client, archive, token))
-        kills: list[Callable[[], bool]] = [
-            lambda: kill(children(parts["web"])),
-            # Not the agents: one that is killed has failed by its own fault, as far as anyone can see.
-            lambda: kill([one for part in children(parts["conductor"]) for one in children(part)]),
-            lambda: server is None or crash(server),
-            lambda: kill(children(parts["conductor"])),
-        ]
-        for one in kills:
-            until(one)
-            time.sleep(1.0)
-        until(lambda: is_quiet(database, season))
+        until(partial(is_answered, client), f"the season did not answer: see {tmp_path}")
+        taken = partial(is_taken, client, archive, token)
+        handing_in = threading.Thread(target=until, args=(taken, "the submission is not taken"))
+        handing_in.start()
+        stack.callback(handing_in.join)
+        kinds = ["web", "conductor", "worker", *(["database"] if server else [])]
+        for one in chance.sample(kinds, len(kinds)):
+            time.sleep(chance.uniform(0.5, 3.0))
+            until(partial(kill, one, parts, server, chance), f"there was no {one} to be killed")
+        handing_in.join()
+        until(taken, "what was stored is not known")  # as if its answer had been lost
+        until(partial(is_quiet, database, season), f"the season is stuck: see {tmp_path}", QUIET)
         with database.reading() as session:
             check_always(session, season)
             check_quiet(session, season)
@@ -158,4 +175,4 @@ def test_web_conductor_workers_and_database_are_killed(tmp_path: Path) -> None:
             for result in session.scalars(select(MatchResult)):
                 path = season.match_folder(result.match_id) / result.row["record"]
                 assert record_digest(path.read_bytes()) == result.record
-        until(lambda: is_answered(client))
+        until(partial(is_answered, client), f"the season did not answer: see {tmp_path}")

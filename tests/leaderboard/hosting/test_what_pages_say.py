@@ -49,17 +49,34 @@ SAID: list[tuple[str, str, tuple[str, ...], tuple[str, ...]]] = [
     ("/matches/{own_suite}", "visitor", (HOSTILE.title, "night-owl 1.1"), ("night-owl-",)),
     ("/submissions/{active}", "visitor", (f"{HOSTILE.title} · submission",), ()),
     # A track without a rank says why.
-    (f"/submissions/{FIRST}", "visitor", ("shows the best submission of its team, night-owl 1.1 .",), ()),
+    (
+        f"/submissions/{FIRST}",
+        "visitor",
+        ("The board shows the best submission of its team, night-owl 1.1 .",),
+        (),
+    ),
     # A submission without matches says whether it gets some; its team sees what it will replace.
-    ("/submissions/{queued}", "visitor", ("They are planned once the submission",), ("Not ranked", REPLACES)),
+    (
+        "/submissions/{queued}",
+        "visitor",
+        ("None yet. They are planned once the submission is active.",),
+        ("Not ranked", REPLACES),
+    ),
     ("/submissions/{queued}", "organizer", (REPLACES,), ()),
     ("/submissions/{failed}", "visitor", ("Matches None.",), ()),
     ("/submissions/{cancelled}", "visitor", ("Matches None.",), ()),
     # A team's failures are on its page for itself alone.
-    *(("/teams/owls", asker, ("night-owl 1.1",), ("2.0-rc1",)) for asker in ("visitor", "opponent")),
-    *(("/teams/owls", asker, ("night-owl 1.1", "2.0-rc1"), ()) for asker in ("owner", "organizer")),
+    ("/teams/owls", "visitor", ("night-owl 1.1",), ("2.0-rc1",)),
+    ("/teams/owls", "opponent", ("night-owl 1.1",), ("2.0-rc1",)),
+    ("/teams/owls", "owner", ("night-owl 1.1", "2.0-rc1"), ()),
+    ("/teams/owls", "organizer", ("night-owl 1.1", "2.0-rc1"), ()),
     # An organizer's own suite is not called by its file, and one team is no "1 teams".
-    ("/", "visitor", ("the organizers' own suite, on hidden seeds",), (".toml", " 1 teams")),
+    (
+        "/",
+        "visitor",
+        ("the same matches of the organizers' own suite, on hidden seeds",),
+        (".toml", " 1 teams"),
+    ),
     ("/matches/{ladder}", "visitor", WAYS, ()),
     # Organizers are offered to run again only what can be.
     ("/organizer/submissions?state=failed", "organizer", ("Run again submission",), ()),
@@ -174,9 +191,11 @@ def rendered(site: Pages, *names: str, content: bytes = b"") -> Iterator[None]:
     folder.mkdir(exist_ok=True)
     for name in names:
         (folder / name).write_bytes(content)
-    yield
-    for name in names:
-        (folder / name).unlink()
+    try:
+        yield
+    finally:
+        for name in names:
+            (folder / name).unlink()
 
 
 def test_where_the_record_is_hidden_so_are_video_and_poster(site: Pages) -> None:

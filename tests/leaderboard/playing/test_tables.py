@@ -65,10 +65,7 @@ def site(filled: FilledSeason, sandbox: str, **play: Any) -> Iterator[Site]:
     season = changed(filled.season, play=Play(enabled=True, **play), execution=Execution(sandbox=sandbox))
     counts = WebCounts()
     with serving(season, filled.database, renders=True, counts=counts) as (app, client):
-        try:
-            yield Site(filled, app, str(client.base_url).rstrip("/"), counts.tables)
-        finally:
-            app.state.tables.close()
+        yield Site(filled, app, str(client.base_url).rstrip("/"), counts.tables)
 
 
 def wait(condition: Any) -> None:

@@ -77,7 +77,11 @@ def _about(archive: Path, path: Path) -> dict[str, object]:
 
 
 def _fill(database: Database, tables: Path, version: str, rename: tuple[Path, Path] | None) -> int:
-    """Fill an empty database, and put the folder into its place just before the end of the transaction."""
+    """Fill an empty database, and put the folder into its place just before the end of the transaction.
+
+    Raises:
+        UserError: The database is not empty, or the backup is of a newer version.
+    """
     with database.writing() as session:
         connection = session.connection()
         if not is_empty(connection):

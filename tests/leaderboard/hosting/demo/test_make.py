@@ -1,11 +1,13 @@
 """The demo season is made by the services that a real one uses, and needs no container."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from tests.leaderboard.seasons_made import opened
 
 from wildscav.baselines import ALL_ROUND
+from wildscav.errors import UserError
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_leaderboard.accounts.passwords import matches
 from wildscav_leaderboard.accounts.service import find_account
@@ -59,3 +61,10 @@ def test_a_season_is_worth_a_look_when_its_first_matches_are_played(database: Da
     assert not Opening(3, 3, 7, 20).is_ready(8)
     assert Opening(3, 3, 8, 20).is_ready(8)
     assert Opening(3, 3, 5, 0).is_ready(8)  # there are no more
+
+
+def test_nothing_is_made_in_a_folder_with_something_in_it(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(UserError, match="not an empty folder"):
+        make_demo(tmp_path, 8123, "process")
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
