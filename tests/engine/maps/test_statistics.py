@@ -5,14 +5,13 @@ from itertools import combinations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from tests.engine.maps.by_hand import footprint_of
+from tests.engine.maps.by_hand import footprint_of, lost_rooms
 
 from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.layout import NO_HOUSE
-from wildscav_engine.maps.locations import houses_cut_off
 from wildscav_engine.maps.settlements.footprints import farthest_out, gap_between
 from wildscav_engine.maps.settlements.sites import CLOSE_GAP, EDGE_MARGIN
 from wildscav_engine.specs.map_spec import MapConfig
@@ -58,7 +57,7 @@ def check_houses(game_map: GameMap) -> None:
     footprints = [footprint_of(house) for house in game_map.houses]
     assert all(gap_between(one, other) >= CLOSE_GAP for one, other in combinations(footprints, 2))
     assert all(farthest_out(one) <= config.size / 2 - EDGE_MARGIN for one in footprints)
-    assert houses_cut_off(game_map.houses, game_map.indoor) == [], config
+    assert lost_rooms(game_map) == [], config
 
 
 def check_water(game_map: GameMap) -> None:
