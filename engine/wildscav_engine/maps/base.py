@@ -226,7 +226,7 @@ def _arrays(base: Base) -> bytes:
 
 
 def _assemble(header: dict[str, Any], packed: memoryview) -> Base:
-    """Build a base from its header and arrays, which are never larger than a file may be."""
+    """Build a base from its header and arrays; refuse arrays that are larger than a file may be."""
     if set(header) != HEADER_KEYS:
         raise ValueError(f"its header has the keys {sorted(header)}, must have {sorted(HEADER_KEYS)}")
     size, kinds = int(header["size"]), [Kind(kind) for kind in header["kinds"]]

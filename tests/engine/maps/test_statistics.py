@@ -36,10 +36,29 @@ def small_config(seed: int) -> MapConfig:
     )
 
 
+def great_config(seed: int) -> MapConfig:
+    """Return the config of a map of 500 m, as in competitions."""
+    dice = RandomStream(seed, Stream.SUITE, agent=2)
+    return MapConfig(
+        size=500,
+        houses=dice.integer(8, 20),
+        storeys=((1, 3), (2, 3))[dice.integer(0, 1)],
+        density=("low", "high")[seed % 2],
+        ruggedness=dice.uniform(),
+        water=dice.uniform(0.0, 0.2),
+    )
+
+
 @pytest.mark.parametrize("batch", range(2))
 def test_small_maps_keep_their_promises(batch: int) -> None:
     for seed in range(batch * BATCH, (batch + 1) * BATCH):
         check_promises(generate_map(small_config(seed), seed))
+
+
+@pytest.mark.slow
+def test_great_maps_keep_their_promises() -> None:
+    for seed in range(4):
+        check_promises(generate_map(great_config(seed), seed))
 
 
 def check_promises(game_map: GameMap) -> None:
