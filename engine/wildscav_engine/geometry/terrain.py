@@ -51,9 +51,9 @@ def is_steep(ground: Ground) -> bool:
     return bool(steepness > TAN_SLOPE_LIMIT * TAN_SLOPE_LIMIT)
 
 
-def spread(water: NDArray[np.float64], cells: int) -> NDArray[np.float64]:
+def spread(heights: NDArray[np.float64], cells: int) -> NDArray[np.float64]:
     """Return the greatest height within some rows and columns of each, for (R, C) m; -inf without any."""
-    nearby = water.copy()
+    nearby = heights.copy()
     for _ in range(cells):
         for part in (nearby, nearby.T):
             part[1:] = np.maximum(part[1:], part[:-1])

@@ -226,13 +226,13 @@ def _arrays(base: Base) -> bytes:
 
 
 def _assemble(header: dict[str, Any], packed: memoryview) -> Base:
-    """Build a base from its header and arrays, never larger than a file."""
+    """Build a base from its header and arrays; refuse arrays that are larger than a file may be."""
     if set(header) != HEADER_KEYS:
         raise ValueError(f"its header has the keys {sorted(header)}, must have {sorted(HEADER_KEYS)}")
     size, kinds = int(header["size"]), [Kind(kind) for kind in header["kinds"]]
     faces = [int(count) for count in header["faces"]]
-    if len(kinds) > MAX_SOLIDS or not set(kinds) <= set(KINDS):
-        raise ValueError(f"{len(kinds)} solids, or one of another kind")
+    if len(kinds) != len(faces) or len(kinds) > MAX_SOLIDS or not set(kinds) <= set(KINDS):
+        raise ValueError(f"{len(kinds)} kinds of {len(faces)} solids")
     points = round(size / CELL) + 1 if header["ground"] else 0
     counts = np.cumsum([points * points, 4 * sum(faces), 3 * len(faces), 3 * len(faces)])
     if 8 * int(counts[-1]) > FILE_LIMIT:

@@ -35,7 +35,7 @@ PLANT_MARGIN = 0.5  # m between the axis of a single plant and the edge of the m
 YARD = 3.0  # m around a house that an area of plants leaves free, in addition to the usual margin
 CATEGORIES = {"tree": TREES, "bush": BUSHES, "rock": ROCKS}
 THICKEST = {"tree": 0.04, "bush": 0.1, "rock": 0.06}  # per m², of an area with density 1
-# The keys of the first placement's plants start at the one; each placement has as many as the other.
+# The first key of the plants of the first placement, and how many keys each placement has.
 FIRST_KEY, KEYS = 2**28, 2**18
 
 

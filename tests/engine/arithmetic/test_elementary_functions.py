@@ -17,6 +17,7 @@ def test_sine_and_cosine_are_right_and_wrapping_keeps_the_direction(angle: float
         assert trig.sine(same) == pytest.approx(math.sin(math.radians(angle)), abs=1e-10)
         assert trig.cosine(same) == pytest.approx(math.cos(math.radians(angle)), abs=1e-10)
     assert trig.sine(angle) == pytest.approx(math.sin(math.radians(angle)), abs=2e-12)
+    assert trig.cosine(angle) == pytest.approx(math.cos(math.radians(angle)), abs=2e-12)
 
 
 @pytest.mark.parametrize(("angle", "sine", "cosine"), [(0, 0, 1), (90, 1, 0), (180, 0, -1), (-90, -1, 0)])

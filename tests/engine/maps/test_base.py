@@ -148,6 +148,15 @@ def test_a_bomb_is_refused_without_unpacking_it() -> None:
         decode(container.pack(base.LAYOUT, header, zlib.compress(bytes(1 << 28))))
 
 
+@pytest.mark.parametrize(
+    ("change", "said"), [({"size": 100_000}, "more than"), ({"kinds": []}, "0 kinds of 2 solids")]
+)
+def test_a_header_that_its_arrays_cannot_follow_is_refused(change: dict[str, object], said: str) -> None:
+    header, packed = container.unpack(base.LAYOUT, encode(COUNTRY))
+    with pytest.raises(BaseError, match=said):
+        decode(container.pack(base.LAYOUT, {**header, **change}, packed))
+
+
 def test_a_header_of_endless_brackets_is_refused() -> None:
     body = container.PREAMBLE.pack(base.LAYOUT.magic, base.LAYOUT.version, 100_000) + b"[" * 100_000
     with pytest.raises(BaseError, match="not valid"):

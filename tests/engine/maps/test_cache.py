@@ -120,6 +120,17 @@ def test_a_file_of_another_making_is_not_taken(country: GameMap, change: dict[st
     assert cache.load_cached(country.spec) is None
 
 
+def test_a_damaged_file_is_made_again(country: GameMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cache, "CACHE_THRESHOLD", 0.0)
+    cache.store(country)
+    path = cache.path_of(country.spec)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-1])
+
+    assert cache.map_of(country.spec).digest == country.digest
+    assert path.read_bytes() == whole
+
+
 def test_without_a_writable_folder_maps_are_made(country: GameMap, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cache, "CACHE_THRESHOLD", 0.0)
     monkeypatch.setattr(cache, "folder", lambda: Path("/dev/null/nowhere"))

@@ -128,22 +128,37 @@ BLOCK = {"kind": "block", "location": (0, 0)}
     [
         (
             [{**HOUSE, "location": (45, 0)}],
-            "outside the map; with 10.0 × 10.0 m this way round x can be -42.00",
+            "outside the map; with 10.0 × 10.0 m this way round x can be -42.00 to 42.00 and z -42.00 to",
         ),
-        ([{**HOUSE, "location": (10, 0)}, {**HOUSE, "location": (15, 5)}], "1: overlaps placements.0"),
-        ([{**HOUSE, "location": (10, 0)}, {**HOUSE, "location": (21, 0)}], "1: is 1.00 m from placements.0"),
-        ([{**HOUSE, "location": (-30, 0)}], "0.location is (-30.0, 0.0): the house would stand in water"),
-        ([{**HOUSE, "location": (0, 0), "area": (3, 10)}], "0.area"),
-        ([BLOCK], "0.area: a block needs one"),
-        ([{**BLOCK, "location": (49, 0), "area": (4, 4)}], "0.location is (49.0, 0.0): outside"),
-        ([{**BLOCK, "area": (150, 4)}], "0.area: 150.0 × 4.0 m this way round do not fit"),
+        (
+            [{**HOUSE, "location": (10, 0)}, {**HOUSE, "location": (15, 5)}],
+            "placements.1: overlaps placements.0",
+        ),
+        (
+            [{**HOUSE, "location": (10, 0)}, {**HOUSE, "location": (21, 0)}],
+            "placements.1: is 1.00 m from placements.0",
+        ),
+        (
+            [{**HOUSE, "location": (-30, 0)}],
+            "placements.0.location is (-30.0, 0.0): the house would stand in water",
+        ),
+        ([{**HOUSE, "location": (0, 0), "area": (3, 10)}], "placements.0.area"),
+        ([BLOCK], "placements.0.area: a block needs one"),
+        ([{**BLOCK, "location": (49, 0), "area": (4, 4)}], "placements.0.location is (49.0, 0.0): outside"),
+        ([{**BLOCK, "area": (150, 4)}], "placements.0.area: 150.0 × 4.0 m this way round do not fit"),
         (
             [{"kind": "tree", "location": (60, 0)}],
-            "outside the map; x can be -49.50 to 49.50 and z -49.50 to",
+            "outside the map; x can be -49.50 to 49.50 and z -49.50 to 49.50",
         ),
-        ([{"kind": "rock", "location": (-30, 0)}], "0.location is (-30.0, 0.0): in water"),
-        ([{"kind": "bush", "location": (45, 0), "area": (20, 5)}], "0.location is (45.0, 0.0): outside"),
-        ([{"kind": "bush", "location": (22, 0)}, {**HOUSE, "location": (20, 0)}], "stands in the house of"),
+        ([{"kind": "rock", "location": (-30, 0)}], "placements.0.location is (-30.0, 0.0): in water"),
+        (
+            [{"kind": "bush", "location": (45, 0), "area": (20, 5)}],
+            "placements.0.location is (45.0, 0.0): outside",
+        ),
+        (
+            [{"kind": "bush", "location": (22, 0)}, {**HOUSE, "location": (20, 0)}],
+            "placements.0: stands in the house of placements.1",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_by_name(placements: list[dict[str, Any]], message: str) -> None:

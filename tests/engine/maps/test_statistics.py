@@ -5,14 +5,13 @@ from itertools import combinations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from tests.engine.maps.by_hand import footprint_of
+from tests.engine.maps.by_hand import footprint_of, lost_rooms
 
 from wildscav_engine.arithmetic.random_numbers import RandomStream, Stream
 from wildscav_engine.geometry.terrain import ground_at, water_at
 from wildscav_engine.geometry.world import Kind
 from wildscav_engine.maps import GameMap, generate_map
 from wildscav_engine.maps.layout import NO_HOUSE
-from wildscav_engine.maps.locations import houses_cut_off
 from wildscav_engine.maps.settlements.footprints import farthest_out, gap_between
 from wildscav_engine.maps.settlements.sites import CLOSE_GAP, EDGE_MARGIN
 from wildscav_engine.specs.map_spec import MapConfig
@@ -37,10 +36,29 @@ def small_config(seed: int) -> MapConfig:
     )
 
 
+def great_config(seed: int) -> MapConfig:
+    """Return the config of a map of 500 m, as in competitions."""
+    dice = RandomStream(seed, Stream.SUITE, agent=2)
+    return MapConfig(
+        size=500,
+        houses=dice.integer(8, 20),
+        storeys=((1, 3), (2, 3))[dice.integer(0, 1)],
+        density=("low", "high")[seed % 2],
+        ruggedness=dice.uniform(),
+        water=dice.uniform(0.0, 0.2),
+    )
+
+
 @pytest.mark.parametrize("batch", range(2))
 def test_small_maps_keep_their_promises(batch: int) -> None:
     for seed in range(batch * BATCH, (batch + 1) * BATCH):
         check_promises(generate_map(small_config(seed), seed))
+
+
+@pytest.mark.slow
+def test_great_maps_keep_their_promises() -> None:
+    for seed in range(4):
+        check_promises(generate_map(great_config(seed), seed))
 
 
 def check_promises(game_map: GameMap) -> None:
@@ -58,7 +76,7 @@ def check_houses(game_map: GameMap) -> None:
     footprints = [footprint_of(house) for house in game_map.houses]
     assert all(gap_between(one, other) >= CLOSE_GAP for one, other in combinations(footprints, 2))
     assert all(farthest_out(one) <= config.size / 2 - EDGE_MARGIN for one in footprints)
-    assert houses_cut_off(game_map.houses, game_map.indoor) == [], config
+    assert lost_rooms(game_map) == [], config
 
 
 def check_water(game_map: GameMap) -> None:

@@ -55,8 +55,18 @@ def play(
 ) -> None:
     """Play all bodies at random, and raise ``worst``.
 
-    The last body is a ghost that is only used for trials of being stuck; those ignore others, which move away
-    by themselves. The closed world has a ceiling that forces the general path everywhere.
+    Args:
+        world: The static world.
+        closed: The same world, but with a ceiling that forces the general path everywhere.
+        position: (A + 1, 3) m; the last body is a ghost that is only used for trials of being stuck.
+        others: (A,) all bodies, which collide with each other.
+        nobody: (0,) trials ignore other bodies, which move away by themselves.
+        rise: (A,) m/s.
+        on_ground: (A,).
+        frames: To play.
+        seed: Of the actions.
+        worst: (11,) as in ``Worst``.
+        stuck: (3,) m, where a body could not get away.
     """
     for frame in range(frames):
         for seat in range(rise.shape[0]):

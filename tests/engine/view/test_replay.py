@@ -208,6 +208,11 @@ def test_a_seat_that_is_not_there_cannot_be_followed(battle: Record, tmp_path: P
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_folder_that_is_not_there_is_one_clear_error(battle: Record, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"nowhere/match\.rrd"):
+        write_replay(battle, tmp_path / "nowhere" / "match.rrd", images=False)
+
+
 def test_a_failed_write_leaves_nothing(battle: Record, tmp_path: Path) -> None:
     (tmp_path / "taken.rrd").mkdir()
 

@@ -17,7 +17,8 @@ def result(track: str, seats: list[tuple[int, float]]) -> MatchResult:
 
     def metrics(score: float) -> dict[str, float]:
         time = {"time": score, "used_time": 40.0, "punish_time": score - 40.0, "success": score == 40.0}
-        return time if track in {"navigation", "capture"} else {"supplies": score, "points": score}
+        told = "points" if track == "royale" else "supplies"
+        return time if track in {"navigation", "capture"} else {"supplies": 1.0, "points": 1.0, told: score}
 
     ended = tuple(
         SeatResult(seat=seat, filled_by="walker", team=team, metrics=metrics(score), **nothing)

@@ -96,8 +96,11 @@ def plan_country(config: MapConfig, seed: int, terrain: Terrain) -> CountryPlan 
     towns = []
     for number, block in enumerate(blocks):
         ward = int(wards.numbers[block.row, block.column])
-        gated = [border for border in wards.borders if border.gate is not None and ward in border.wards]
-        gates = [border.at(border.gate or 0.0) for border in gated]
+        gates = [
+            border.at(border.gate)
+            for border in wards.borders
+            if border.gate is not None and ward in border.wards
+        ]
         towns.append(draw_town(config, config.country, seed, number, block, gates, terrain))
     return CountryPlan(config.country, wards, tuple(towns))
 

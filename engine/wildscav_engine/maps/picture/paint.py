@@ -63,7 +63,7 @@ class Style(NamedTuple):
 
     lowest: float  # m, of the ground
     highest: float
-    contours: float  # m between lines of equal height
+    interval: float  # m between lines of equal height
     step: float  # m between samples
     solids: NDArray[np.float32]  # (S, 3) colours
     house_of: NDArray[np.int16]  # (S,) -1 for none
@@ -119,7 +119,7 @@ def _ground(seen: TopView, style: Style) -> Image:
 
 def _draw_contours(picture: Image, seen: TopView, style: Style) -> None:
     """Draw lines of equal height on the ground, faintly under water, and the shore."""
-    interval = style.contours
+    interval = style.interval
     number = np.round(seen.ground / interval)
     thick = number % THICK == 0
     rise = np.maximum(seen.slope, LEAST_SLOPE) * style.step  # m a sample

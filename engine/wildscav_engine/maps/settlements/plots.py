@@ -36,7 +36,10 @@ JOIN_REACH = 24.0  # m between their level grounds; beyond, the join may be stee
 SHARED_LEVEL = 2.0 * LEVEL_MARGIN + 0.5  # m between two houses; nearer ones share one level
 DEEPEST_CUT = 1.5  # m between the level of a house and the mean height of the ground
 
-Rows = NDArray[np.float64]  # (N, 6) footprints, (N, 2) m points of lanes, or (N,) m levels
+Footprint = NDArray[np.float64]  # (6,)
+Footprints = NDArray[np.float64]  # (N, 6)
+Points = NDArray[np.float64]  # (N, 2) m, of lanes
+Levels = NDArray[np.float64]  # (N,) m
 Place = tuple[float, float, float]  # x and z in m, and a yaw in degrees
 
 
@@ -57,7 +60,7 @@ class Plots:
         self._footprints[: len(fixed)] = footprints_of(fixed)
         self._grounds[: len(fixed)] = [site.ground for site in fixed]
 
-    def keep_off(self, points: NDArray[np.float64]) -> None:
+    def keep_off(self, points: Points) -> None:
         """Keep further houses away from points (N, 2) in m of a street's axis."""
         self._lanes = np.concatenate([self._lanes, points])
 
@@ -87,7 +90,13 @@ class Plots:
 
 @kernel
 def _first_fit(
-    terrain: Terrain, rows: Rows, others: Rows, grounds: Rows, placed: Rows, lanes: Rows, gap: float
+    terrain: Terrain,
+    rows: Footprints,
+    others: Footprints,
+    grounds: Levels,
+    placed: Footprints,
+    lanes: Points,
+    gap: float,
 ) -> tuple[int, float]:
     """Return the first footprint on which a house can stand, and its level in m; -1 if there is none."""
     for number in range(rows.shape[0]):
@@ -105,7 +114,7 @@ def _first_fit(
 
 
 @kernel
-def _is_clear(footprint: Rows, others: Rows, gap: float) -> bool:
+def _is_clear(footprint: Footprint, others: Footprints, gap: float) -> bool:
     for other in range(others.shape[0]):
         if _may_meet(footprint, others[other], gap) and gap_between(footprint, others[other]) < gap:
             return False
@@ -113,7 +122,7 @@ def _is_clear(footprint: Rows, others: Rows, gap: float) -> bool:
 
 
 @kernel
-def _may_meet(one: Rows, other: Rows, gap: float) -> bool:
+def _may_meet(one: Footprint, other: Footprint, gap: float) -> bool:
     """Return whether the circles around two footprints are nearer than a gap: a cheap first test."""
     reach = half_diagonal(one) + half_diagonal(other) + gap
     east, north = one[0] - other[0], one[1] - other[1]
@@ -121,7 +130,7 @@ def _may_meet(one: Rows, other: Rows, gap: float) -> bool:
 
 
 @kernel
-def _is_on_lane(footprint: Rows, lanes: Rows) -> bool:
+def _is_on_lane(footprint: Footprint, lanes: Points) -> bool:
     for point in range(lanes.shape[0]):
         if distance_to_footprint(footprint, lanes[point, 0], lanes[point, 1]) < LANE_MARGIN:
             return True
@@ -129,7 +138,7 @@ def _is_on_lane(footprint: Rows, lanes: Rows) -> bool:
 
 
 @kernel
-def _is_near(footprints: Rows, x: float, z: float, margin: float) -> bool:
+def _is_near(footprints: Footprints, x: float, z: float, margin: float) -> bool:
     near = False
     for row in range(footprints.shape[0]):
         near = near or distance_to_footprint(footprints[row], x, z) < margin
@@ -137,7 +146,7 @@ def _is_near(footprints: Rows, x: float, z: float, margin: float) -> bool:
 
 
 @kernel
-def level_for(terrain: Terrain, footprint: Rows, others: Rows, grounds: Rows) -> float:
+def level_for(terrain: Terrain, footprint: Footprint, others: Footprints, grounds: Levels) -> float:
     """Return the level in m for a house with this footprint, or -inf if the ground does not allow one."""
     lowest, highest, mean = heights_under(terrain, footprint)
     if lowest < terrain.water_level + SHORE_MARGIN or highest - lowest > STEEPEST_GROUND:

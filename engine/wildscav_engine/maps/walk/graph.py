@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,8 +24,7 @@ from wildscav_engine.maps.walk.leaps import Leaps, explore_further
 from wildscav_engine.motion.collision import Bodies
 
 LAYERS = 2.0  # initial capacity, in nodes per lattice point in a house; tables grow when needed
-PER_NODE, PER_LEAP = ("point", "height", "following", "edges"), ("start", "end", "jump")  # arrays that grow
-Table = TypeVar("Table", Nodes, Leaps)
+Number = TypeVar("Number", bound=np.generic)
 LEAPS_PER_NODE = 0.1  # initial capacity
 
 
@@ -183,26 +182,45 @@ def _explore_all(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> 
         capacity = len(nodes.point)
         explore_further(Survey(world, NO_BODIES, lattice, nodes), body, leaps, explored)
         if nodes.found[0] + 2 * DIRECTIONS >= capacity:
-            nodes = _longer(nodes, capacity + capacity // 2, *PER_NODE)
+            nodes = _with_capacity(nodes, capacity + capacity // 2)
         if leaps.found[0] + 2 * DIRECTIONS >= len(leaps.start):
-            leaps = _longer(leaps, 2 * len(leaps.start) + 64, *PER_LEAP)
+            leaps = _with_more_leaps(leaps, 2 * len(leaps.start) + 64)
     return nodes, leaps
 
 
-def _longer(table: Table, capacity: int, *grown: str) -> Table:
-    """Return a table with room for more in the arrays of some names."""
-    longer: dict[str, Any] = {}
-    for name in grown:
-        old: NDArray[Any] = getattr(table, name)
-        longer[name] = np.empty((capacity, *old.shape[1:]), old.dtype)
-        longer[name][: len(old)] = old
-    return table._replace(**longer)
+def _with_capacity(nodes: Nodes, capacity: int) -> Nodes:
+    return nodes._replace(
+        point=_longer(nodes.point, capacity),
+        height=_longer(nodes.height, capacity),
+        following=_longer(nodes.following, capacity),
+        edges=_longer(nodes.edges, capacity),
+    )
+
+
+def _with_more_leaps(leaps: Leaps, capacity: int) -> Leaps:
+    return Leaps(
+        _longer(leaps.start, capacity),
+        _longer(leaps.end, capacity),
+        _longer(leaps.jump, capacity),
+        leaps.found,
+    )
+
+
+def _longer(table: NDArray[Number], capacity: int) -> NDArray[Number]:
+    longer = np.empty((capacity, *table.shape[1:]), table.dtype)
+    longer[: len(table)] = table
+    return longer
 
 
 def _finish(world: World, lattice: Lattice, nodes: Nodes, leaps: Leaps) -> NavGraph:
     """Cut the tables to length and sort the leaps by their starts."""
     count, leap_count = int(nodes.found[0]), int(leaps.found[0])
-    nodes = nodes._replace(**{name: getattr(nodes, name)[:count] for name in PER_NODE})
+    nodes = nodes._replace(
+        point=nodes.point[:count],
+        height=nodes.height[:count],
+        following=nodes.following[:count],
+        edges=nodes.edges[:count],
+    )
     order = np.argsort(leaps.start[:leap_count], kind="stable")
     leap_start = np.zeros(count + 1, np.int64)
     np.cumsum(np.bincount(leaps.start[:leap_count], minlength=count), out=leap_start[1:])

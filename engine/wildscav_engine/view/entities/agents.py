@@ -5,7 +5,7 @@ Bodies are meshes with the same parts and colours as in the images of cameras.
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import rerun as rr
@@ -105,9 +105,10 @@ def static_agents(history: History, names: Sequence[str]) -> Iterator[tuple[str,
         label = rr.Points3D.from_fields(positions=(0, 0, LABEL_HEIGHT), radii=DOT, show_labels=True)
         yield f"{path}/name", label
         yield f"trails/seat_{seat}", rr.LineStrips3D.from_fields(radii=TRAIL, colors=[of_seat(team)])
-        look: dict[str, Any] = {"colors": [line_color(history, seat)], "names": [name], "widths": [2.0]}
+        tint = line_color(history, seat)
         for quantity in plotted(history):
-            yield f"{path}/{quantity}", rr.SeriesLines(**look, interpolation_mode="StepAfter")
+            line = rr.SeriesLines(colors=[tint], names=[name], widths=[2.0], interpolation_mode="StepAfter")
+            yield f"{path}/{quantity}", line
 
 
 def line_color(history: History, seat: int) -> colors.Color:

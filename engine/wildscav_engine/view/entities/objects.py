@@ -1,7 +1,6 @@
 """The objects of a replay: supply boxes, shots, hits, the start and the target."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -31,8 +30,14 @@ def static_objects(history: History, target_distance: float) -> Iterator[tuple[s
         return
     start, target = history.agents.position[0, 0], history.target
     pillar = coordinates.points(target + PILLAR / 2 * UP)
-    look: dict[str, Any] = {"colors": [(*colors.TARGET, 90)], "fill_mode": "solid"}
-    yield "target/light", rr.Cylinders3D(lengths=[PILLAR], radii=[target_distance], centers=[pillar], **look)
+    light = rr.Cylinders3D(
+        lengths=[PILLAR],
+        radii=[target_distance],
+        centers=[pillar],
+        colors=[(*colors.TARGET, 90)],
+        fill_mode="solid",
+    )
+    yield "target/light", light
     yield "target/place", _marker(target, "target", colors.TARGET)
     yield "start", _marker(start, "start", colors.START)
 

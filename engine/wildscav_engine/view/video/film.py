@@ -163,7 +163,7 @@ class Film:
             picture.paste(tile(wide - 2, high - 2), (index % columns * wide + 1, index // columns * high + 1))
         places = range(len(tiles), rows * columns)
         free = [((index % columns + 0.5) * wide, index // columns * high) for index in places]
-        self._fill(picture, moment, free, (wide, high))
+        self._fill(picture, moment, free, wide, high)
         self.hud.draw_end(picture, moment)
         return picture
 
@@ -172,10 +172,11 @@ class Film:
         picture: Image.Image,
         moment: InterpolatedState,
         free: list[tuple[float, int]],
-        size: tuple[int, int],
+        wide: int,
+        high: int,
     ) -> None:
         """Draw clock and map into the last place without a seat, and the standings into the one before."""
-        clock, gap, (wide, high) = self.hud.clock(moment), 4, size
+        clock, gap = self.hud.clock(moment), 4
         if not free:
             put(picture, clock, picture.width / 2, picture.height - gap, anchor="mb")
             return

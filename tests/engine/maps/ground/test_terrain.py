@@ -17,6 +17,7 @@ from wildscav_engine.maps.ground.terrain import (
     make_terrain,
     water_of_cells,
 )
+from wildscav_engine.maps.settlements.sites import footprints_of, settle
 from wildscav_engine.specs.map_spec import MapConfig
 
 TOO_STEEP = 1.0  # tangent of 45°
@@ -151,14 +152,14 @@ def test_shores_slope_gently() -> None:
         assert steepness(heights)[wet].max() < 0.5
 
 
-@pytest.mark.parametrize("size", [40, 62, 1000])
-def test_any_size_is_made_and_a_dry_one_has_no_water(size: int) -> None:
-    terrain = make_terrain(MapConfig(size=size, water=0.0), 1)
+@pytest.mark.parametrize(("size", "water"), [(40, 0.0), (62, 0.2), (1000, 0.2)])
+def test_any_size_is_made_and_a_dry_one_has_no_water(size: int, water: float) -> None:
+    terrain = make_terrain(MapConfig(size=size, water=water), 1)
 
     assert terrain.heights.shape == (size // 2 + 1, size // 2 + 1)
     assert terrain.corner == (-size / 2, -size / 2)
     assert np.isfinite(terrain.heights).all()
-    assert np.all(np.isneginf(water_of_cells(terrain.heights, terrain.water_level)))
+    assert np.all(np.isneginf(water_of_cells(terrain.heights, terrain.water_level))) == (water == 0.0)
 
 
 def test_water_stands_over_every_cell_with_ground_below_it() -> None:
@@ -212,3 +213,13 @@ def test_joins_of_two_houses_on_a_slope_can_be_walked(
     level_ground((-70.0, -70.0), footprints, np.array([lift, lift + 0.3 * levels * apart]), heights)
 
     assert steepness(heights).max() < 0.84
+
+
+def test_sites_are_dry() -> None:
+    config = MapConfig(size=100, houses=5, water=0.4)
+    terrain = make_terrain(config, 0)
+    sites = settle(config, 0, terrain, [(10.0, 8.0)] * 5).sites
+
+    for footprint in footprints_of(sites):
+        for row, column in zip(*np.nonzero(terrain.heights < 0.0), strict=True):
+            assert distance_to_footprint(footprint, 2.0 * column - 50.0, 2.0 * row - 50.0) > LEVEL_MARGIN

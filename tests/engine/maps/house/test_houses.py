@@ -111,6 +111,13 @@ def test_all_solids_are_within_the_house_and_its_eaves(house: BuiltHouse) -> Non
         assert solid.kind in (Kind.WALL, Kind.FLOOR, Kind.STAIR, Kind.ROOF, Kind.FURNITURE)
 
 
+def test_few_solids_make_a_storey() -> None:
+    plans = [draw_plan(seed, 0, (1, 4)) for seed in range(40)]
+    storeys = sum(len(plan.storeys) for plan in plans)
+
+    assert sum(len(BuiltHouse(plan).solids) for plan in plans) < 80 * storeys
+
+
 def test_doorsteps_are_before_the_doors(house: BuiltHouse) -> None:
     steps = doorsteps(house.plan, house.site, 1.5)
 

@@ -198,6 +198,6 @@ def test_a_mesh_that_no_map_can_hold_is_refused(
 
 def test_more_parts_than_a_map_holds_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wildscav_engine.maps.importing.mesh.MAX_SOLIDS", 2)
-    parts = {name: cuboid((0, 0, 0), (1, 1, 1)) for name in "abc"}
+    many = trimesh.util.concatenate([cuboid((2 * n, 0, 0), (2 * n + 1, 1, 1)) for n in range(3)])
     with pytest.raises(BaseError, match="it has more than 2 parts"):
-        import_mesh(glb(tmp_path / "a.glb", **parts))
+        import_mesh(glb(tmp_path / "a.glb", many=many))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.engine.maps.by_hand import footprint_of
+from tests.engine.maps.by_hand import footprint_of, lost_rooms
 
 from wildscav_engine.maps import GameMap, MapError, generate_map
 from wildscav_engine.maps.ground.terrain import (
@@ -32,7 +32,7 @@ def check_houses(game_map: GameMap) -> None:
         lowest, highest, _ = heights_under(terrain, footprint_of(house))
         level = house.ground - FLOOR_LIFT
         assert (lowest, highest) == pytest.approx((level, level), abs=1e-9), f"house {number}"
-    assert houses_cut_off(game_map.houses, game_map.indoor) == []
+    assert lost_rooms(game_map) == []
 
 
 def test_the_village_whose_houses_were_buried_stands_on_its_ground() -> None:
@@ -48,12 +48,15 @@ def test_a_house_that_would_be_cut_off_by_cliffs_stands_elsewhere() -> None:
 
 
 def test_a_house_is_cut_off_if_nobody_gets_into_one_of_its_rooms() -> None:
-    game_map = generate_map(MapConfig(size=60, houses=2, relief=0.0, water=0.0), 1)
+    game_map = generate_map(MapConfig(size=60, houses=2, storeys=(2, 2), relief=0.0, water=0.0), 1)
     assert houses_cut_off(game_map.houses, game_map.indoor) == []
     house = game_map.houses[1]
     across, along = house.pose.inside(game_map.indoor[:, 0], game_map.indoor[:, 2])
-    inside = house.rooms[0].area.holds(across, along)
-    assert houses_cut_off(game_map.houses, game_map.indoor[~inside]) == [1]
+    for level in range(2):  # places on the other storey do not count
+        area = next(room.area for room in house.rooms if room.level == level)
+        off_floor = np.abs(game_map.indoor[:, 1] - house.ground - level * house.storey_height)
+        inside = area.holds(across, along) & (off_floor < 0.2)
+        assert houses_cut_off(game_map.houses, game_map.indoor[~inside]) == [1]
     assert houses_cut_off(game_map.houses, game_map.indoor[:0]) == [0, 1]
 
 

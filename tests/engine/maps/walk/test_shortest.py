@@ -17,6 +17,7 @@ from wildscav_engine.maps.walk import build_graph, find_path, shortest_length
 from wildscav_engine.maps.walk.fine_search import Goal
 from wildscav_engine.maps.walk.shortest import finer_path
 from wildscav_engine.specs.body import BODY_RADIUS
+from wildscav_engine.specs.map_spec import MapConfig
 
 Place = tuple[float, float, float]
 
@@ -89,3 +90,11 @@ def test_no_way_on_a_map_is_two_percent_shorter(seed: int) -> None:
         path = find_path(game_map.graph, start, target)
         assert path is not None
         assert length <= path.length
+
+
+def test_equal_maps_and_repeated_calls_give_equal_lengths() -> None:
+    one, other = (generate_map(MapConfig(size=60, houses=2, vegetation=1.0), 5) for _ in range(2))
+    for start, target in itertools.pairwise(one.outdoor[:280:40]):
+        length = one.shortest_length(start, target, 1.0)
+        assert length == one.shortest_length(start, target, 1.0)
+        assert length == shortest_length(other.graph, start, target, 1.0)

@@ -52,7 +52,7 @@ def places_on(
     house: BuiltHouse, places: NDArray[np.float64], area: Rectangle, height: float
 ) -> NDArray[np.float64]:
     """Return those of some places (N, 3) m that are on a floor."""
-    across, along = house.site.pose.inside(places[:, 0], places[:, 2])  # type: ignore[arg-type]
+    across, along = house.site.pose.inside(places[:, 0], places[:, 2])
     return places[area.holds(across, along) & (np.abs(places[:, 1] - height) < 0.1)]
 
 

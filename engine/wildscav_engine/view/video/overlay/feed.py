@@ -61,7 +61,7 @@ class Feed:
         return self._news[max(int(first), last - MAX_LINES) : last]
 
     def draw(self, picture: Image.Image, frame: float, right: float, top: float, size: int) -> None:
-        """Write the latest news below each other, between a right and an upper edge, all in pixels."""
+        """Write the latest news below each other; edges and the height of the text are in pixels."""
         for line, item in enumerate(self.at(frame)):
             widths = [0 if part.seat is None else 11 * size for part in item.parts]
             words = [

@@ -110,18 +110,19 @@ class Hud:
                 continue
             points = *camera.eye.tolist(), *heads[seat].tolist()
             if followed is None or (far[seat] <= TAG_REACH and sight_is_clear(self._map.world, *points)):
-                self._draw_tag(picture, moment, seat, (x, y), is_marked=followed is None)
+                self._draw_tag(picture, moment, seat, x, y, is_marked=followed is None)
 
     def _draw_tag(
         self,
         picture: Image.Image,
         moment: InterpolatedState,
         seat: int,
-        place: tuple[float, float],
+        x: float,
+        y: float,
         *,
         is_marked: bool,
     ) -> None:
-        (x, y), size = place, round(0.75 * self.text)
+        size = round(0.75 * self.text)
         if is_marked:
             put(picture, arrowhead(size // 2 + 2, 180, self.colors[seat]), x, y, anchor="mm")
             y -= 0.8 * size
