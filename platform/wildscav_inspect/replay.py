@@ -126,14 +126,18 @@ def _replay_for_rerun(
     """Write a record as a Rerun recording, serve it, or both; a recording is served as it is."""
     if web and _is_replay(record):
         _refuse_rendering_options(out, seat, images, logs)
-        _serve(record.read_bytes(), record.name, host, port)
-        return
+        try:
+            content = record.read_bytes()
+        except OSError as error:
+            raise UserError(f"cannot read {record}: {error.strerror}") from None
+        return _serve(content, record.name, host, port)
     content = _render(record, read_of_seat(record, "--seat", seat), out, seat, images, logs, web=web)
     path = out if web else out or record.with_suffix(SUFFIX)
     if path is not None:
         _write(path, content)
     if web:
-        _serve(content, record.name, host, port)
+        return _serve(content, record.name, host, port)
+    return None
 
 
 def _is_replay(path: Path) -> bool:
