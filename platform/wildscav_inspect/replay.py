@@ -126,18 +126,14 @@ def _replay_for_rerun(
     """Write a record as a Rerun recording, serve it, or both; a recording is served as it is."""
     if web and _is_replay(record):
         _refuse_rendering_options(out, seat, images, logs)
-        try:
-            content = record.read_bytes()
-        except OSError as error:
-            raise UserError(f"cannot read {record}: {error.strerror}") from None
-        return _serve(content, record.name, host, port)
+        _serve(record.read_bytes(), record.name, host, port)
+        return
     content = _render(record, read_of_seat(record, "--seat", seat), out, seat, images, logs, web=web)
     path = out if web else out or record.with_suffix(SUFFIX)
     if path is not None:
         _write(path, content)
     if web:
-        return _serve(content, record.name, host, port)
-    return None
+        _serve(content, record.name, host, port)
 
 
 def _is_replay(path: Path) -> bool:
