@@ -50,7 +50,7 @@ class Refresh(NamedTuple):
 
 
 class Events:
-    """Reports the events of one match."""
+    """Reports the events of one match, which is before its first step."""
 
     def __init__(self, match: "Match", episode: Episode) -> None:
         self._match, self._ids = match, episode.ids

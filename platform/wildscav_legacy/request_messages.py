@@ -128,7 +128,10 @@ _FIELDS = (
 
 
 class _Boxes:
-    """The supply boxes as the bytes of a ``supply_info_list``, serialized again when a box has changed."""
+    """The supply boxes as the bytes of a ``supply_info_list``, serialized again when a box has changed.
+
+    The match must be at its start.
+    """
 
     def __init__(self, match: "Match") -> None:
         self._match = match

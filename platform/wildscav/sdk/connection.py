@@ -33,6 +33,7 @@ class Connection:
 
     Args:
         address: ``host:port`` or ``unix:/path``.
+        credentials: For TLS; by default, the connection is not encrypted.
 
     Raises:
         ServerUnreachableError: No server answers, or the connection was lost.

@@ -78,7 +78,7 @@ def aim_at(
 ) -> Aim:
     """Turn to where an enemy will be after this step, in which the agent walks at its own velocity, m/s.
 
-    It shoots if it hits from the first frame to the last.
+    It shoots if it hits from the first frame to the last. ``max_turn`` is in degrees per frame.
     """
     last = _view_of(observation, enemy, own_velocity, frames)
     turn = _limited(turn_to(observation.yaw, last.direction) / frames, max_turn)

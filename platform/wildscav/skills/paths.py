@@ -100,7 +100,10 @@ class _Search:
     def run(
         self, goals: dict[int, list[tuple[int, int]]], enough: float, far: Vector | None
     ) -> dict[int, Node]:
-        """Search all columns, or far enough beyond the first goal; goals have keys and voxels by column."""
+        """Search until all columns were visited, or ``enough`` metres beyond the first goal.
+
+        The goals are keys and voxels by column. The search goes towards ``far`` first.
+        """
         open_nodes = [(0.0, 0.0, self.start)]
         found: dict[int, Node] = {}
         limit = math.inf

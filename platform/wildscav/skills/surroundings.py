@@ -73,7 +73,10 @@ class Surroundings:
         self._rays = np.zeros((0, 0, 3))
 
     def see(self, place: Vector, yaw: float, reading: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Add a LIDAR's reading, (channels, azimuths) m, at a yaw, degrees; return (N, 3) m, points hit."""
+        """Add a LIDAR's reading, (channels, azimuths) m, and return the points that it hit, (N, 3) m.
+
+        The agent's soles are at ``place``; its yaw is in degrees.
+        """
         hit = reading < self.rings.range * 0.999
         rays = self._directions(reading.shape)[hit] * reading[hit].astype(np.float64)[:, None]
         turn = math.radians(yaw)

@@ -23,7 +23,10 @@ class Walk(NamedTuple):
 
 
 def hold(here: Vector, place: Vector, step_time: float) -> Walk:
-    """Return how to walk straight to a place and to stand there: no step of so many s leads past it."""
+    """Return how to walk straight to a place and to stand there.
+
+    No step, of ``step_time`` seconds, leads past it.
+    """
     return Walk(direction_to(here, place), min(FULL_SPEED, flat_distance(here, place) / step_time))
 
 
@@ -31,7 +34,10 @@ class WayWalker:
     """Follows one way at a time."""
 
     def __init__(self, surroundings: Surroundings, step_time: float) -> None:
-        """Begin without a way; obstacles that the LIDAR does not show are noted in ``surroundings``."""
+        """Begin without a way; a step takes ``step_time`` seconds of game time.
+
+        Obstacles that the LIDAR does not show are noted in ``surroundings``.
+        """
         self.surroundings = surroundings
         self.pace = FULL_SPEED * step_time  # m in a step
         self.points: tuple[Vector, ...] = ()

@@ -62,7 +62,10 @@ class Health:
 def unary(
     kind: type[Request], call: Callable[[Request], Awaitable[Message]]
 ) -> Callable[[Stream], Awaitable[None]]:
-    """Return the handler of a method with one request and one response, which may raise ``RefusalError``."""
+    """Return the handler of a method with one request and one response.
+
+    The call returns the response; it may raise ``RefusalError``.
+    """
 
     async def serve(stream: Stream) -> None:
         try:

@@ -38,7 +38,7 @@ LEAST_CREDIT = 0.001  # s of waiting for a processor for which a step waits long
 
 
 class Lockstep:
-    """Plays the steps of a match; the seats are those that agent processes fill."""
+    """Plays the steps of a match, which is at its start; the seats are those that agent processes fill."""
 
     def __init__(self, match: "Match", seats: Sequence[Seat], clock: Clock, time: SeatClock) -> None:
         self._match, self._seats, self._clock, self._time = match, seats, clock, time

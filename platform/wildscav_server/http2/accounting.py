@@ -85,7 +85,10 @@ class Account:
         self._left = min(self._limit, self._left + frames)
 
     def refill(self, sent: int, *, begins: bool) -> None:
-        """Refill the allowance for bytes of a message, perhaps its first, that the server sends."""
+        """Refill the allowance for so many bytes that the server sends.
+
+        They are a message, or a part of one; the first part ``begins`` it.
+        """
         self.refund(begins * REFILL_PER_MESSAGE + sent / BYTES_PER_FRAME)
         self._unanswered = 0
 

@@ -26,7 +26,7 @@ class Log(Protocol):
 
 
 def open_log(form: LogFormat | None, **values: Any) -> Log:
-    """Return a log, which without a form writes nothing."""
+    """Return a log, which without a form writes nothing; the values are added to every line."""
     import structlog
 
     renderer: Any = structlog.processors.JSONRenderer(_as_json)

@@ -31,6 +31,9 @@ class SharedServer:
     """Hosts matches in several processes. Construct it inside an event loop.
 
     Args:
+        organizer_token: The secret that is needed to open a match; required on public addresses.
+        certificate: For TLS on its ports; None for no encryption.
+        log_format: Format of the log lines on stderr; None writes no log.
         metrics_port: Local port of the first worker's metrics; the other workers use the ports after it. 0
             takes free ports, and None serves no metrics.
     """

@@ -34,7 +34,11 @@ class RunFolder:
         return (self.path / CHECKPOINT).is_file()
 
     def begin(self, settings: TrainingSettings, *, resume: bool) -> None:
-        """Make a new run's folder; a UserError if one has files, or is of a run with other settings."""
+        """Make the folder of a new run, or with ``resume`` find one whose run has the same settings.
+
+        Raises:
+            UserError: It has files and is not to be resumed, or its run has other settings.
+        """
         if self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
             if not resume:
                 raise UserError(

@@ -24,7 +24,10 @@ class Score(NamedTuple):
 
 
 def evaluate(policy: Any, settings: TrainingSettings, episodes: int) -> list[Score]:
-    """Play a policy, from rows (N, n) to scores (N, C), on both splits, sampled and always the likeliest."""
+    """Play a policy on both splits, sampled and always the likeliest, without curriculum.
+
+    The policy leads from rows (N, n) to scores (N, C).
+    """
     return [
         Score(split, choose, episodes, _means(*play_episodes(policy, settings, episodes, split, choose)))
         for split in ("train", "test")

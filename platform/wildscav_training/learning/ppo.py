@@ -43,7 +43,10 @@ class Rollout(NamedTuple):
 
 
 def make_network(inputs: int, hidden: Sequence[int], outputs: int, gain: float) -> Any:
-    """Return layers with tanh between them; a small gain of the last one lets a policy try everything."""
+    """Return fully connected layers with tanh between them.
+
+    The gain scales the last layer's first weights: with a small one, a policy first tries everything.
+    """
     widths = [inputs, *hidden, outputs]
     modules: list[Any] = []
     for layer, (before, after) in enumerate(pairwise(widths)):

@@ -35,7 +35,10 @@ class Result(NamedTuple):
 
 
 def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: bool, episodes: int) -> Result:
-    """Train and measure a policy in a folder, new or with a run of these settings, or raise a UserError."""
+    """Train and measure a policy in a folder, which must be new or empty, or raise a UserError.
+
+    With ``resume``, the folder may have a run of the same settings, which continues.
+    """
     # More threads only slow networks of this size down, and bits would depend on their number.
     torch.set_num_threads(1)
     place = RunFolder(folder)

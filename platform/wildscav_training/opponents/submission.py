@@ -37,7 +37,9 @@ class SubmissionOpponent(SeatController):
     """
 
     def __init__(self, folder: str | Path) -> None:
-        """Load a submission: its manifest and its agent's class.
+        """Load a submission from its folder, or from the name of a baseline, such as "hunter".
+
+        Its code runs with all rights of this process.
 
         Raises:
             UserError: The folder is not a submission in Python that plays by numbers, or its code cannot be

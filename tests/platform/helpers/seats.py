@@ -7,7 +7,7 @@ import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -79,9 +79,9 @@ class Served:
 Ruling = Callable[..., Awaitable[None]]
 
 
-def with_server(ruling: Ruling, **options: Any) -> Callable[..., None]:
-    """Make a test of a coroutine whose first argument is ``Served``; others are fixtures."""
-    return test_of(lambda folder, play: serving(folder, lambda *own: play(Served(*own)), **options), ruling)
+def with_server_of(**options: Any) -> Callable[[Ruling], Callable[..., None]]:
+    """Return a decorator that makes a test of a coroutine with ``Served`` and fixtures as arguments."""
+    return partial(test_of, lambda folder, play: serving(folder, lambda *own: play(Served(*own)), **options))
 
 
 def test_of(run: Callable[[Path, Ruling], None], ruling: Ruling) -> Callable[..., None]:
@@ -94,9 +94,13 @@ def test_of(run: Callable[[Path, Ruling], None], ruling: Ruling) -> Callable[...
         given = fixtures | {name: tmp_path for name in wanted if name == folder.name}
         run(tmp_path, partial(ruling, **given))
 
-    test.__name__ = ruling.__name__
+    update_wrapper(test, ruling)
+    del test.__wrapped__  # type: ignore[attr-defined] # else pytest takes the fixtures of the coroutine
     test.__signature__ = inspect.Signature([*({folder.name: folder} | wanted).values()])  # type: ignore[attr-defined]
     return test
+
+
+with_server = with_server_of()
 
 
 async def start_agent(

@@ -6,7 +6,7 @@ import pytest
 from tests.platform.legacy.helpers.commands import command, far_target, open_way, setup
 from tests.platform.legacy.helpers.competitor import Competitor
 
-from wildscav_legacy.commander_pb2 import AgentCommand, GameState, GMCommand
+from wildscav_legacy.commander_pb2 import AgentCommand, GameMode, GameState, GMCommand
 
 
 def walk_from(start: list[float], **fields: float) -> GMCommand:
@@ -47,6 +47,14 @@ def test_an_action_that_is_not_finite_does_nothing(competitor: Competitor, field
     competitor.act({0: fields})
     after = competitor.seen_by(0)
     assert (after.location, after.yaw, after.pitch) == (before.location, before.yaw, before.pitch)
+
+
+@pytest.mark.parametrize("mode", [GameMode.NAVIGATION_MODE, GameMode.SUP_GATHER_MODE])
+def test_nobody_shoots_in_navigation_and_gathering(competitor: Competitor, mode: GameMode) -> None:
+    competitor.begin(command(mode, supply_create_percent=0, supply_house_create_percent=0))
+    competitor.act({0: {"shoot_gun": True, "collect": True}})
+    seen = competitor.seen_by(0)
+    assert (seen.num_gun_ammo, seen.is_fire, seen.can_pickup, seen.num_supply) == (15, False, False, 0)
 
 
 def test_who_is_not_in_the_commands_stands_still_and_of_two_the_last_counts(competitor: Competitor) -> None:

@@ -138,6 +138,14 @@ def test_one_seed_gives_one_episode(competitor: Competitor) -> None:
     assert competitor.begin(asked).agent_obs_list[0].location != first.agent_obs_list[0].location
 
 
+def test_the_default_start_in_the_middle_of_the_map_is_where_one_can_stand(competitor: Competitor) -> None:
+    competitor.begin(command(agents=[setup(start=(0, -50, 0))], target=far_target()))
+    competitor.act(times=20)
+    place = competitor.seen_by(0).location
+    assert competitor.seen_by(0).on_ground
+    assert place.x**2 + place.z**2 < 15**2
+
+
 def test_an_action_of_nobody_and_a_speed_beyond_the_fastest_hold_nothing_up(competitor: Competitor) -> None:
     start = open_way(12)
     competitor.begin(command(agents=[setup(start=start)], target=far_target()))

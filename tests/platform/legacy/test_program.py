@@ -15,7 +15,7 @@ from tests.platform.legacy.helpers.commands import command
 from tests.platform.legacy.helpers.competitor import Competitor
 
 from wildscav.errors import UserError
-from wildscav_legacy.commands import read_ids
+from wildscav_legacy.commands import DEFAULT_MAPS, read_ids
 from wildscav_legacy.install import install_engine, missing_maps, paths_of, write_map
 from wildscav_legacy.program import ClientStderrHandler, read_address
 
@@ -140,6 +140,10 @@ def test_only_a_parent_that_listens_on_the_port_is_the_client() -> None:
 )
 def test_maps_are_named_by_ids_and_ranges(text: str, ids: list[int]) -> None:
     assert read_ids(text) == ids
+
+
+def test_the_default_are_60_maps() -> None:
+    assert read_ids(DEFAULT_MAPS) == [*range(1, 21), *range(91, 131)]
 
 
 @pytest.mark.parametrize(

@@ -37,10 +37,7 @@ def what_grpc_reads(module: str, environment: dict[str, str]) -> str:
 
 @pytest.mark.parametrize(
     "module",
-    [
-        "wildscav.sdk.connection",
-        "wildscav_server.match_server",
-    ],
+    ["wildscav.sdk.connection", "wildscav_server.match_server", "wildscav_legacy.channel, grpc"],
 )
 def test_whatever_imports_grpc_has_set_it_before(module: str) -> None:
     assert what_grpc_reads(module, {}) == f"set to {EXPERIMENTS}"

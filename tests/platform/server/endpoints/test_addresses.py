@@ -1,9 +1,10 @@
 """Addresses: which are refused, and that only what an ended server has left behind is replaced."""
 
+import asyncio
 import os
 import socket
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -11,6 +12,9 @@ import pytest
 
 from wildscav.errors import AddressInUseError, UserError
 from wildscav_server.endpoints.addresses import bind
+from wildscav_server.endpoints.endpoint import EndpointSettings
+from wildscav_server.match_server import MatchServer
+from wildscav_server.workers.shared_server import SharedServer
 
 NOBODY = 65_534
 
@@ -70,6 +74,24 @@ def test_a_malformed_address_is_a_usage_error(address: str) -> None:
     with pytest.raises(UserError) as caught:
         bind(address)
     assert caught.value.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    "server",
+    [
+        lambda: MatchServer(arena=True, endpoint_settings=EndpointSettings(insecure=True)),
+        lambda: SharedServer(1, insecure=True),
+    ],
+    ids=["alone", "with workers"],
+)
+def test_an_arena_at_a_public_address_needs_an_organizer_token(
+    server: Callable[[], MatchServer | SharedServer],
+) -> None:
+    async def start() -> None:
+        await server().start(["0.0.0.0:0"])
+
+    with pytest.raises(UserError, match="organizer token"):
+        asyncio.run(start())
 
 
 def test_the_socket_of_an_ended_server_is_replaced(tmp_path: Path) -> None:

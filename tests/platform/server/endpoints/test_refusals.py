@@ -109,8 +109,9 @@ def action(step: int) -> ClientMessage:
         ([action(7)], "TOO_EARLY", "before it was asked"),
         ([action(0)] * 17, "FLOOD", "old answers"),
         ([b"\0" * 5000], "MESSAGE_TOO_LARGE", "a message of 5,000 bytes; 4,096 are allowed"),
+        ([b"\0" * 1_000_000], "MESSAGE_TOO_LARGE", "a message of 1,000,000 bytes; 4,096 are allowed"),
     ],
-    ids=["garbage", "empty", "second join", "not asked for", "future step", "flood", "large"],
+    ids=["garbage", "empty", "second join", "not asked for", "future step", "flood", "large", "huge"],
 )
 @with_server
 async def test_a_seat_that_talks_nonsense_is_out_and_the_others_play_on(
@@ -158,6 +159,7 @@ def test_of_too_many_pending_streams_at_an_address_the_oldest_is_refused(
         (other,) = await server.start([f"unix:{tmp_path / 'other.sock'}"])
         hosted = await host(server, small_spec(seats=2))
         async with AsyncExitStack() as stack, connected(other) as elsewhere:
+            await asyncio.sleep(0.05)  # so that it is older than all of the first address
             silent = []
             for _ in range(3):
                 silent.append(await stack.enter_async_context(connected(address)))

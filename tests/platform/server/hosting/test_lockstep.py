@@ -46,7 +46,8 @@ async def test_agents_in_processes_play_every_track(served: Served, track: str) 
 
 def test_a_served_match_is_the_same_as_one_played_in_the_engine(tmp_path: Path) -> None:
     spec = small_spec("battle", filled_by=("submission", "fighter"))
-    fields = {"walk_direction": 325.5, "walk_speed": 6.25, "turn": -3.5, "look": 1.5, "jump": True}
+    numbers = {"walk_direction": 325.5, "walk_speed": 6.25, "turn": -3.5, "look": 1.5}
+    fields = {**numbers, "jump": True, "shoot": True}
 
     async def play(server: MatchServer, address: str) -> list[int]:
         hosted = await host(server, spec)

@@ -138,6 +138,28 @@ async def test_a_seat_that_gives_no_answer_in_a_paused_match_is_closed_alone(
 
 
 @with_server_by_hand
+async def test_a_seat_whose_answer_is_late_in_a_paused_match_is_closed(served: ServedByHand) -> None:
+    limits = Clock(step_budget=BUDGET, paused_bank=2 * TURN)
+    hosted = await served.host(small_spec(seats=2, clock="paused"), clock=limits)
+    async with served.seated(hosted) as (slow, lively):
+        assert await answer(lively, hosted, 1) == 0
+        await served.pass_time(2 * TURN)
+        assert await answer(slow, hosted, 0) == 0
+        await slow.read()
+        await lively.read()
+        await served.pass_time(2 * TURN + HOP)  # the other's bank would pay for it
+        await slow.act(1, walk_speed=1.0)
+        with pytest.raises(grpc.aio.AioRpcError, match="was used up"):
+            await slow.read()
+        await lively.act(1)
+        for step in range(2, 20):
+            assert await answer(lively, hosted, 1) == step
+    closed, other = (await hosted.finished()).seats.values()
+    assert (closed.status, closed.steps_played, closed.late_steps) == (SeatStatus.TIMED_OUT, 1, 1)
+    assert (other.status, other.steps_played) == (SeatStatus.FINISHED, 20)
+
+
+@with_server_by_hand
 async def test_a_killed_agent_costs_nobody_any_time(served: ServedByHand) -> None:
     hosted = await served.host(small_spec(seats=2))
     agents = [

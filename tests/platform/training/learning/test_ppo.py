@@ -90,7 +90,7 @@ def weights(learner: PPO) -> list[list[float]]:
         ("navigation", {"curriculum": (1.0,)}),  # everyone succeeds, so the stage changes on the way
         ("navigation", {"action_mode": "baseline", "kl_coeff": 0.2, "anneal": False}),
         ("gathering", {"agents": 2, "teams": (0, 0)}),
-        ("royale", {"agents": 3, "opponents": ()}),
+        ("royale", {"agents": 2, "opponents": ("fighter",)}),
     ],
 )
 def test_a_run_continues_from_its_state_bit_for_bit(track: str, more: dict[str, Any]) -> None:
@@ -192,3 +192,11 @@ def test_a_submission_plays_and_its_run_continues_with_other_matches() -> None:
     assert weights(then) == weights(learner)
     then.iterate()
     assert then.steps > learner.steps
+
+
+def test_seeds_draw_other_opponents() -> None:
+    one, other = (PPO(battle("self", "walker", seed=seed)) for seed in (0, 1))
+    drawn, others = ([each.env.arena.opponents.names(match) for match in range(4)] for each in (one, other))
+    assert drawn != others
+    copies = (each.opponents.league.sources["self-0"].random for each in (one, other))
+    assert len({copy.initial_seed() for copy in copies}) == 2

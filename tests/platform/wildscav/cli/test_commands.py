@@ -2,17 +2,17 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import tomllib
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import grpc
 import pytest
 from tests.commands import run_command, running
-from tests.platform.helpers.seats import Served, ended, host, serving, small_spec, start_agent, with_server
+from tests.platform.helpers.seats import Served, ended, host, serving, small_spec, start_agent, with_server_of
 
 from wildscav.cli import main
 from wildscav.cli.init import submission_name
@@ -196,7 +196,15 @@ def test_serve_stops_at_ctrl_c() -> None:
         assert process.wait(120) == 0
 
 
-@partial(with_server, arena=True)
+def test_serve_says_that_a_port_is_in_use() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        address = f"127.0.0.1:{taken.getsockname()[1]}"
+        done = wildscav("serve", "--listen", address)
+    said = f"wildscav: cannot listen on {address}: it is in use already; choose another address\n"
+    assert (done.returncode, done.stderr) == (1, said)
+
+
+@with_server_of(arena=True)
 async def test_the_arena_hosts_a_match_and_hands_out_its_record(served: Served, tmp_path: Path) -> None:
     spec = small_spec("gathering", filled_by=("submission", "gatherer"))
     async with grpc.aio.insecure_channel(served.address) as channel:
@@ -219,7 +227,7 @@ async def test_the_arena_hosts_a_match_and_hands_out_its_record(served: Served, 
         assert read_record(tmp_path / "arena.wsrec").spec == spec
 
 
-@partial(with_server, arena=True, organizer_token="correct horse")  # noqa: S106
+@with_server_of(arena=True, organizer_token="correct horse")  # noqa: S106
 async def test_the_arena_asks_for_its_token_and_checks_what_it_is_given(served: Served) -> None:
     async with grpc.aio.insecure_channel(served.address) as channel:
         arena = ArenaStub(channel)

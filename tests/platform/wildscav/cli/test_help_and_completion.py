@@ -110,6 +110,7 @@ def test_completion_is_installed_by_the_main_command(tmp_path: Path) -> None:
         (["evalaute"], "No such command 'evalaute' (did you mean 'evaluate'?)"),
         (["season", "secret", "ope"], "Did you mean 'open'?"),
         (["verify", "--jsno", "x"], "--json"),
+        (["map", "show", "--sead", "3"], "No such option: --sead"),
         (["play", "homng"], "submission homng does not exist (did you mean 'homing'?)"),
         (["play", "homing", "--track", "navigaton"], "(did you mean 'navigation'?)"),
         (["play", "homing", "--replay", "x.mp4"], "--replay is x.mp4: a replay is a Rerun recording"),
@@ -124,9 +125,32 @@ def test_what_is_mistyped_gets_a_suggestion(tmp_path: Path, arguments: list[str]
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("verify", "Missing argument"),
+        ("init .", "is not an empty folder"),
+        (
+            "dataset --id new-v0",
+            "there are no episodes: name record files, or an agent that plays with --agent",
+        ),
+        ("dataset a.wsr --agent homing --id new-v0", "records and --agent are both given"),
+        ("dataset a.wsr --seed 0 --id new-v0", "--seed goes only with --agent"),
+        ("dataset --agent homing --seat 0 --id new-v0", "--seat goes only with records"),
+        ("dataset --agent homing --track batle --id new-v0", "--track is 'batle' (did you mean 'battle'?)"),
+    ],
+)
+def test_what_cannot_be_done_is_said(tmp_path: Path, line: str, says: str) -> None:
+    (tmp_path / "a.wsr").touch()
+    done = run_command(*line.split(), cwd=tmp_path, columns=200)
+    assert done.returncode == 2
+    assert says in done.stderr
+
+
 # One wrong value, or more, for every command. What is in braces is there; nothing else is.
 WRONG = [
     "init {file}",
+    "init .",
     "init new --name A/B",
     "init new --from-policy {file}",
     "init new --from homing --from-policy {file}",

@@ -100,7 +100,8 @@ def test_a_tensor_that_contradicts_itself_is_refused(tensor: Tensor, message: st
 
 def test_a_match_info_arrives() -> None:
     waves = SupplyWave(0.0, (20.0, -20.0), 30.0), SupplyWave(60.0, (1.0, 2.0), 50.0)
-    info = match_info(start=(1.5, -2.25, 3.125), supply_waves=waves, seed=2**63 - 1, clock="paused")
+    place = {"seat": 2, "seats": 10, "team": 3, "start": (1.5, -2.25, 3.125)}
+    info = match_info(**place, supply_waves=waves, seed=2**63 - 1, clock="paused")
     assert decode_match_info(encode_match_info(info).match_info) == info
     assert info.step_time == 0.1
 
