@@ -319,7 +319,9 @@ def _table(results: "list[Result]") -> "Table":
 
     metrics = results[0].scores[0].metrics
     metric = "success" if "success" in metrics else next(iter(metrics))
-    table = FittingTable(f"{metric}, means of {results[0].scores[0].episodes} episodes; times without them")
+    table = FittingTable(
+        f"{metric}, means of {results[0].scores[0].episodes} episodes; times of learning alone"
+    )
     for title in ("seed", "steps", "CPU s", "wall s"):
         table.add_column(title, justify="right", no_wrap=True)
     for score in results[0].scores:
