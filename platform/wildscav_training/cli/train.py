@@ -1,6 +1,6 @@
 """``wildscav train``: train a policy, measure it, and make a submission of it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -123,13 +123,22 @@ def train(
 
         first = replace(first, start=read_start(start_from))
     runs = [replace(first, seed=each) for each in range(seed, seed + seeds)]
-    _check_folders(out, submission, resume=resume)
-    results = _train_all(runs, out, episodes, min(workers, seeds), resume=resume)
+    is_written = resume and submission is not None and _is_of(submission, runs[0])
+    _check_folders(out, None if is_written else submission, resume=resume)
+
+    def learned() -> None:
+        if submission is not None and not is_written:
+            _write_submission(out, runs[0], submission)
+
+    results = _train_all(runs, out, episodes, min(workers, seeds), learned, resume=resume)
     from wildscav.terminal.console import console, print_json
 
     console.print(_table(results))
     if submission is not None:
-        _write_submission(out, runs[0], submission)
+        import shlex
+
+        next_one = f"wildscav evaluate {shlex.quote(str(submission))} --track {track}"
+        console.print(f"{submission} holds the policy as a submission. Next: {next_one}")
     if as_json:
         print_json({"folder": str(out), "runs": [result.as_json() for result in results]})
 
@@ -213,9 +222,24 @@ def _check_folders(out: Path, submission: Path | None, *, resume: bool) -> None:
             raise UserError(f"{name}: {path} is not an empty folder; name another{hint}", exit_code=2)
 
 
+def _is_of(submission: Path, settings: "TrainingSettings") -> bool:
+    """Whether a run with these settings has already written its submission into a folder."""
+    from wildscav_training.learning.submission import TRAINING, training_file
+
+    path = submission / TRAINING  # written last
+    return path.is_file() and path.read_bytes() == training_file(settings)
+
+
 def _train_all(
-    runs: "list[TrainingSettings]", out: Path, episodes: int, workers: int, *, resume: bool
+    runs: "list[TrainingSettings]",
+    out: Path,
+    episodes: int,
+    workers: int,
+    learned: Callable[[], None],
+    *,
+    resume: bool,
 ) -> "list[Result]":
+    """Train and measure; ``learned`` is called when the first run's weights are written."""
     from rich.progress import TextColumn, TimeRemainingColumn
 
     from wildscav.terminal.console import error_console, progress_bar
@@ -227,7 +251,12 @@ def _train_all(
     folders = [out / f"seed-{settings.seed}" for settings in runs]
     with preparing(error_console), progress_bar(*columns) as progress:
         reports = [
-            _reporter(progress, progress.add_task(f"seed {one.seed}", total=one.steps, figures=""), one)
+            _reporter(
+                progress,
+                progress.add_task(f"seed {one.seed}", total=one.steps, figures=""),
+                one,
+                learned if one is runs[0] else lambda: None,
+            )
             for one in runs
         ]
         if workers == 1:
@@ -241,18 +270,35 @@ def _train_all(
         )
 
 
-def _reporter(progress: Any, task: Any, settings: "TrainingSettings") -> "Report":
-    """Return what shows the figures of each iteration: a bar in a terminal, else a line now and then."""
+def _reporter(
+    progress: Any, task: Any, settings: "TrainingSettings", learned: Callable[[], None]
+) -> "Report":
+    """Return what shows the figures of a run: a bar in a terminal, else a line now and then."""
     import time
+
+    from wildscav_training.learning.evaluation import WAYS
 
     said = time.monotonic()
 
     def report(figures: Mapping[str, float]) -> None:
         nonlocal said
-        shown = _shown(figures)
-        progress.update(task, completed=figures["steps"], figures=shown)
-        if not progress.console.is_terminal and time.monotonic() - said > SILENCE:
-            progress.console.print(f"seed {settings.seed}: {shown}")
+        news, shown = "", ""
+        if "continued" in figures:
+            news = f"continues from step {int(figures['continued']):,}"
+            progress.update(task, completed=figures["continued"])
+        elif "measured" in figures:
+            done, total = int(figures["measured"]), int(figures["to_measure"])
+            shown = f"{done:,} of {total:,} matches are measured"
+            if done == 0:
+                learned()
+                news = f"learned; measuring {len(WAYS)} × {total // len(WAYS)} matches"
+                progress.reset(task, total=total)
+            progress.update(task, completed=done, figures=shown)
+        else:
+            shown = _shown(figures)
+            progress.update(task, completed=figures["steps"], figures=shown)
+        if news or (not progress.console.is_terminal and time.monotonic() - said > SILENCE):
+            progress.console.print(f"seed {settings.seed}: {news or shown}")
             said = time.monotonic()
 
     return report
@@ -273,7 +319,9 @@ def _table(results: "list[Result]") -> "Table":
 
     metrics = results[0].scores[0].metrics
     metric = "success" if "success" in metrics else next(iter(metrics))
-    table = FittingTable(f"{metric}, means of {results[0].scores[0].episodes} episodes")
+    table = FittingTable(
+        f"{metric}, means of {results[0].scores[0].episodes} episodes; times of learning alone"
+    )
     for title in ("seed", "steps", "CPU s", "wall s"):
         table.add_column(title, justify="right", no_wrap=True)
     for score in results[0].scores:
@@ -290,15 +338,10 @@ def _table(results: "list[Result]") -> "Table":
 
 
 def _write_submission(out: Path, settings: "TrainingSettings", folder: Path) -> None:
-    """Write the policy of a run as a submission, and say what to do with it."""
-    import shlex
-
+    """Write the policy of a run as a submission."""
     from wildscav.cli.init import submission_name, write_files
     from wildscav.policy.networks import Choose
-    from wildscav.terminal.console import console
     from wildscav_training.learning.submission import policy_submission
 
     name = submission_name(folder.resolve().name)
     write_files(folder, policy_submission(out / f"seed-{settings.seed}", settings, name, Choose.SAMPLED))
-    command = f"wildscav evaluate {shlex.quote(str(folder))} --track {settings.track}"
-    console.print(f"{folder} holds the policy as a submission. Next: {command}")

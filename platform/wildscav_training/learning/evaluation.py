@@ -1,6 +1,6 @@
 """How good a policy is: the mean metrics of episodes that it has not met in training."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from wildscav_training.learning.ppo import Choices, in_space, rows_of
 from wildscav_training.learning.settings import TrainingSettings
 
 FIRST = 2**63  # seeds of evaluations, above those of training
+WAYS = tuple((split, choose) for split in ("train", "test") for choose in ("sampled", "deterministic"))
 
 
 class Score(NamedTuple):
@@ -23,16 +24,21 @@ class Score(NamedTuple):
     metrics: Mapping[str, float]  # means by name
 
 
-def evaluate(policy: Any, settings: TrainingSettings, episodes: int) -> list[Score]:
-    """Play a policy on both splits, sampled and always the likeliest, without curriculum.
+def evaluate(
+    policy: Any, settings: TrainingSettings, episodes: int, tell: Callable[[int], None] = lambda _: None
+) -> list[Score]:
+    """Play a policy, from rows (N, n) to scores (N, C), in all WAYS, without curriculum.
 
-    The policy leads from rows (N, n) to scores (N, C).
+    ``tell`` gets how many matches have ended.
     """
-    return [
-        Score(split, choose, episodes, _means(*play_episodes(policy, settings, episodes, split, choose)))
-        for split in ("train", "test")
-        for choose in ("sampled", "deterministic")
-    ]
+    scores = []
+    for done, (split, choose) in enumerate(WAYS):
+        before = done * episodes
+        names, played = play_episodes(
+            policy, settings, episodes, split, choose, lambda ended, before=before: tell(before + ended)
+        )
+        scores.append(Score(split, choose, episodes, _means(names, played)))
+    return scores
 
 
 def _means(names: Sequence[str], played: NDArray[np.float64]) -> dict[str, float]:
@@ -41,7 +47,12 @@ def _means(names: Sequence[str], played: NDArray[np.float64]) -> dict[str, float
 
 @torch.no_grad()  # type: ignore[untyped-decorator]
 def play_episodes(
-    policy: Any, settings: TrainingSettings, episodes: int, split: str, choose: str
+    policy: Any,
+    settings: TrainingSettings,
+    episodes: int,
+    split: str,
+    choose: str,
+    tell: Callable[[int], None] = lambda _: None,
 ) -> tuple[tuple[str, ...], NDArray[np.float64]]:
     """Return the names of the metrics (M,), and the metrics (E, M) of the first episode in each of E rows.
 
@@ -52,6 +63,7 @@ def play_episodes(
         episodes: E.
         split: "train" or "test".
         choose: "sampled" or "deterministic".
+        tell: Called with the number of rows whose episode has ended, whenever it grows.
     """
     env = make_env(settings, episodes, None, split=split)
     choices, random = Choices(sizes_of(env)), torch.Generator().manual_seed(0)
@@ -64,4 +76,6 @@ def play_episodes(
         seen = rows_of(outcome.observation)
         for match, metrics in zip(outcome.ended, outcome.metrics, strict=True):
             found.setdefault(match, metrics.mean(axis=0))
+        if outcome.ended:
+            tell(len(found))
     return tuple(env.arena.metrics), np.array([found[row] for row in range(episodes)])

@@ -11,12 +11,13 @@ import torch
 from tensorboardX import SummaryWriter
 
 from wildscav_training.learning.checkpoints import RESULT, WEIGHTS, RunFolder, write_json
-from wildscav_training.learning.evaluation import Score, evaluate
+from wildscav_training.learning.evaluation import WAYS, Score, evaluate
 from wildscav_training.learning.ppo import PPO
 from wildscav_training.learning.settings import TrainingSettings
 
 EVERY = 60.0  # s between two checkpoints
-Report = Callable[[Mapping[str, float]], None]  # gets the figures of each iteration
+# Gets figures of an iteration, where a run is `continued`, or how many matches are `measured`.
+Report = Callable[[Mapping[str, float]], None]
 
 
 class Result(NamedTuple):
@@ -44,10 +45,18 @@ def train(settings: TrainingSettings, folder: Path, report: Report, *, resume: b
     place = RunFolder(folder)
     place.begin(settings, resume=resume)
     learner = PPO(settings)
-    spent = _continue(learner, place) if place.has_checkpoint else (0.0, 0.0)
+    spent = (0.0, 0.0)
+    if place.has_checkpoint:
+        spent = _continue(learner, place)
+        report({"continued": learner.steps})
     cpu, wall = _learn(learner, place, report, spent)
     _save_layers(folder / WEIGHTS, learner.policy)
-    scores = evaluate(learner.policy, settings, episodes)
+
+    def tell(matches: int) -> None:
+        report({"measured": matches, "to_measure": len(WAYS) * episodes})
+
+    tell(0)  # the weights are written
+    scores = evaluate(learner.policy, settings, episodes, tell)
     result = Result(settings.seed, learner.steps, round(cpu, 1), round(wall, 1), scores)
     write_json(folder / RESULT, result.as_json())
     return result

@@ -9,6 +9,7 @@ from wildscav_training.export import policy_tables, read_model, submission_files
 from wildscav_training.learning.checkpoints import WEIGHTS
 from wildscav_training.learning.settings import TrainingSettings
 
+TRAINING = "training.json"
 # Options that an agent neither sees nor needs.
 OF_TRAINING = ("rewards", "threads", "random_maps", "split", "start_range")
 
@@ -24,4 +25,9 @@ def policy_submission(run: Path, settings: TrainingSettings, name: str, choose: 
     }
     trained = read_model(run / WEIGHTS)
     files = submission_files(trained, policy_tables(trained, settings.track, options), name, choose)
-    return {**files, "training.json": (json.dumps(settings.as_json(), indent=1) + "\n").encode()}
+    return {**files, TRAINING: training_file(settings)}
+
+
+def training_file(settings: TrainingSettings) -> bytes:
+    """Return what a submission holds of its training."""
+    return (json.dumps(settings.as_json(), indent=1) + "\n").encode()

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 HOST = "127.0.0.1"
 PORT = 8000  # unless something else listens there
 LOOKS = 1.0  # s between two looks at the season
+SILENCE = 30.0  # s between two lines of progress where there is no terminal
 
 
 def demo(
@@ -87,7 +88,7 @@ class _Watch:
         self._progress = progress_bar(MofNCompleteColumn(), TimeElapsedColumn())
         self._checks = self._progress.add_task("submissions are checked", total=None)
         self._played = self._progress.add_task("matches are played", total=matches, start=False)
-        self._is_shown, self._looked = False, 0.0
+        self._is_shown, self._looked, self._said = False, 0.0, time.monotonic()
         self._progress.start()
         if not error_console.is_terminal:
             error_console.print("the baselines are checked, and play their first matches")
@@ -103,6 +104,12 @@ class _Watch:
         if state.validated == state.submissions:
             self._progress.start_task(self._played)
             self._progress.update(self._played, completed=min(state.played, self._matches))
+        if not error_console.is_terminal and self._looked - self._said > SILENCE:
+            self._said = self._looked
+            error_console.print(
+                f"{state.validated} of {state.submissions} submissions are checked, "
+                f"{min(state.played, self._matches)} of {self._matches} matches are played"
+            )
         if state.is_ready(self._matches):
             self._is_shown = True
             self._progress.stop()
@@ -117,11 +124,18 @@ class _Watch:
         from wildscav_evaluator.sandbox.process import WARNING
 
         address = self._season.settings.web.address
-        logins = (f"log in as {one.name:10} password {one.password}" for one in self._logins[:2])
+        logins = (
+            f"log in as {one.name:10} password {one.password} to see what {one.role}s see"
+            for one in self._logins[:2]
+        )
+        wildscav = command("wildscav")
         lines = [
             f"the season is at {address} (Ctrl-C ends it)",
             *logins,
-            f"take part: {command('wildscav')} init my-agent, and hand it in at {address}/submit",
+            f"take part: {wildscav} login {address} --register",
+            f"           {wildscav} team create my-team",
+            f"           {wildscav} init my-agent",
+            f"           {wildscav} submit my-agent --wait (or hand it in at {address}/submit)",
         ]
         if self._season.settings.execution.sandbox == "process":
             lines.append(WARNING)

@@ -1,4 +1,4 @@
-"""An agent to start from. It plays the competition's three tracks: change `act` and see what happens."""
+"""An agent to start from. It plays three of the five tracks: change `act` and see what happens."""
 
 import random
 

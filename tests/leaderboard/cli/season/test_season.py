@@ -7,12 +7,15 @@ import subprocess
 import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import httpx
 import pytest
 from tests.leaderboard.seasons_made import make_season
 
 from wildscav.cli import main
+from wildscav_leaderboard.cli.season import demo
+from wildscav_leaderboard.hosting.demo import make
 from wildscav_leaderboard.seasons.folder import PUBLISHED
 
 WILDSCAV = str(Path(sys.executable).parent / "wildscav")
@@ -36,6 +39,25 @@ def test_a_port_that_is_taken_is_named(
         assert command(monkeypatch, "demo", "--port", port, "--folder", tmp_path / "demo") == 1
     assert capsys.readouterr().err.startswith(f"wildscav: port {port} of 127.0.0.1 cannot be used: ")
     assert not (tmp_path / "demo").exists()
+
+
+def test_a_demo_tells_how_far_it_is_and_how_to_take_part(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    states = iter((make.Opening(3, 1, 0, 3), make.Opening(3, 3, 2, 3)))
+    monkeypatch.setattr(make, "opening_of", lambda *_: next(states))
+    monkeypatch.setattr(demo, "LOOKS", 0.0)
+    monkeypatch.setattr(demo, "SILENCE", 0.0)
+    season = MagicMock()
+    season.settings.web.address = "http://here"
+    watch = demo._Watch(season, (make.Login("organizer", "organizer", "key"),), 2, opens=False)
+    watch()
+    watch()
+    said = capsys.readouterr()
+    assert "1 of 3 submissions are checked, 0 of 2 matches are played\n" in said.err
+    assert "log in as organizer  password key to see what organizers see\n" in said.out
+    for line in ("login http://here --register\n", "team create my-team\n", "submit my-agent --wait"):
+        assert line in said.out
 
 
 @pytest.mark.slow

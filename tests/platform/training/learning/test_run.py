@@ -40,7 +40,7 @@ def test_an_interrupted_run_ends_as_one_in_one_sitting(
     whole = run.train(settings, tmp_path / "whole", lambda _: None, resume=False, episodes=4)
 
     def interrupt(figures: Any) -> None:
-        if figures["steps"] == 192:  # before the checkpoint of this iteration
+        if figures.get("steps") == 192:  # before the checkpoint of this iteration
             raise InterruptionError
 
     with pytest.raises(InterruptionError):
@@ -74,6 +74,7 @@ def test_the_submission_does_what_the_trained_policy_does(tmp_path: Path) -> Non
         (split, choose) for split in ("train", "test") for choose in ("sampled", "deterministic")
     }
     assert "CPU s" in done.stderr
+    assert "seed 1: learned; measuring 4 × 2 matches\n" in done.stderr
 
     folder = tmp_path / "out" / "seed-0"
     settings = json.loads((folder / "settings.json").read_text())
@@ -91,6 +92,23 @@ def test_the_submission_does_what_the_trained_policy_does(tmp_path: Path) -> Non
         assert outputs == pytest.approx(scores[0].numpy(), abs=1e-5)
         assert learner.choices.best(scores)[0].tolist() == agent.chooser(outputs * 1e6, generator).tolist()
     assert sum(path.stat().st_size for path in (tmp_path / "agent").iterdir()) < 2_000_000
+
+
+def test_the_submission_is_there_before_a_run_is_measured_and_again_after_it_continued(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: Any) -> None:
+        assert Policy(tmp_path / "agent")
+        raise InterruptionError
+
+    given = ("--out", tmp_path / "out", "--submission", tmp_path / "agent")
+    with monkeypatch.context() as patch:
+        patch.setattr(run, "evaluate", interrupt)
+        assert isinstance(train(*given).exception, InterruptionError)
+    done = train(*given, "--resume")
+    assert done.exit_code == 0, (done.output, done.exception)
+    assert "seed 0: continues from step 64\n" in done.stderr
+    assert train(*given, "--resume", "--seed", 1).exception.exit_code == 2, "it is of another run"
 
 
 def test_seeds_at_once_end_as_seeds_one_after_the_other(tmp_path: Path) -> None:
