@@ -162,7 +162,7 @@ class _Reporter:
         self._is_silent = not self._lock.take()  # another process of this command reports it
         if not self._is_silent:
             self._printed_at = progress.seconds
-            _print("compiling parts of the engine that this machine has not used yet, for up to a minute")
+            _print("compiling parts of the engine that this machine has not used yet, for up to two minutes")
 
 
 def _print(text: str) -> None:

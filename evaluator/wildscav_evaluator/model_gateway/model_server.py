@@ -143,7 +143,8 @@ class ModelServer:
             raise _FailedError(f"it does not answer within {self._settings.timeout:g} s") from None
         except (OSError, HTTPException, ValueError) as error:
             reason = getattr(error, "strerror", "") or (str(error) if isinstance(error, OSError) else "")
-            raise _FailedError(reason or type(error).__name__) from None
+            hint = "; is it running?" if isinstance(error, ConnectionRefusedError) else ""
+            raise _FailedError(f"{reason or type(error).__name__}{hint}") from None
         if status == 200:
             try:
                 return await asyncio.to_thread(read_answer, content)

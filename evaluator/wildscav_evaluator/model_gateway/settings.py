@@ -75,7 +75,9 @@ class ModelSettings(BaseModel):
             UserError: There is no such variable or file.
         """
         if self.key_env is not None and not os.environ.get(self.key_env):
-            raise UserError(f"{self.key_env} is not set: the model's settings name it for the key", 2)
+            raise UserError(
+                f"the variable {self.key_env}, which the model's settings name for the key, is not set", 2
+            )
         try:
             in_file = read_limited(self.key_file, LONGEST_KEY).decode() if self.key_file else ""
         except (OSError, UnicodeDecodeError) as error:

@@ -50,8 +50,12 @@ def run_audit(
     if len(found) > SHOWN:
         found[SHOWN:] = [f"and {len(found) - SHOWN:,} more findings (--json lists all)"]
     raise_errors(found)
-    if not as_json:
+    if as_json:
+        return
+    if any(check.checked for check in report.checks):
         console.print("everything that was checked is right")
+    else:
+        console.print("nothing could be checked yet: try again when the secrets are published")
 
 
 def _audited(place: str, wanted: Wanted, executor: Executor) -> Report:

@@ -4,6 +4,7 @@ Whatever one of them does, the other goes on, and the one that ended is started 
 process that started them, however it ends. Before they start, the port and the certificate are checked here.
 """
 
+import errno
 import multiprocessing
 import os
 import signal
@@ -161,7 +162,8 @@ def check_port(host: str, port: int) -> int:
         try:
             probe.bind((host, port))
         except OSError as error:
-            raise UserError(f"port {port} of {host} cannot be used: {describe(error)}") from error
+            hint = "; choose another with --port" if error.errno == errno.EADDRINUSE else ""
+            raise UserError(f"port {port} of {host} cannot be used: {describe(error)}{hint}") from error
         return int(probe.getsockname()[1])
 
 

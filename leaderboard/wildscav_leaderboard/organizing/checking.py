@@ -26,6 +26,7 @@ class Checked:
     problems: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)  # of the rules, which are not in force yet
     longest: dict[str, float] = field(default_factory=dict)  # s that agents can make a match last, by track
+    note: str = ""  # why the database was not checked
 
     @property
     def passed(self) -> bool:
@@ -49,6 +50,11 @@ def check_season(folder: Path, on_progress: OnProgress = lambda *_: None) -> Che
     found.problems += _wrong_commitments(season)
     try:
         with closing(season.database()) as database:
+            if database.kind == "sqlite" and not Path(database.url.database or "").is_file():
+                found.note = f"there is no database {database} yet: `wildscav season serve` makes it"
+                if season.files.exists():  # it ran
+                    raise UserError(found.note)
+                return found
             _check_database(database)
             _check_files(season, database, found, on_progress)
             with database.reading() as session:
@@ -92,8 +98,6 @@ def wrong_secrets(folder: Path) -> Iterator[str]:
 
 def _check_database(database: Database) -> None:
     """Check that the database is whole, and has the current schema."""
-    if database.kind == "sqlite" and not Path(database.url.database or "").is_file():
-        raise UserError(f"there is no database {database} yet: `wildscav season serve` makes it")
     with database.reading() as session:
         check_is_current(session.connection(), str(database))
         if database.kind == "sqlite":

@@ -29,7 +29,7 @@ from wildscav_engine.arithmetic.elementary_functions import sine
 sine(90.0)
 """
 PATIENCE = 60.0  # s
-BEGINS = "wildscav: compiling parts of the engine that this machine has not used yet, for up to a minute"
+BEGINS = "wildscav: compiling parts of the engine that this machine has not used yet, for up to two minutes"
 
 
 def start(code: str, cache: Path, stderr: int = subprocess.PIPE, **settings: str) -> "subprocess.Popen[str]":

@@ -129,9 +129,8 @@ def test_a_server_that_fails_for_everybody_is_the_platforms_fault(
         assert [one.keys() for one in gateway.reports] == [{"ready"}, {"fault"}]
         assert KEY not in str(gateway.reports)
         if broken is None:
-            assert (
-                gateway.reports[1]["fault"] == "the model's server at 127.0.0.1:9 fails: Connection refused"
-            )
+            why = "the model's server at 127.0.0.1:9 fails: Connection refused; is it running?"
+            assert gateway.reports[1]["fault"] == why
 
     serve("http://127.0.0.1:9/v1" if broken is None else in_turn(broken), ask, timeout=0.3, retries=1)
 

@@ -7,6 +7,10 @@ from pathlib import Path
 import pytest
 from tests.commands import Run, run_command
 
+from wildscav_evaluator.executors.local import LocalExecutor
+from wildscav_leaderboard.auditing.report import Check, Report
+from wildscav_leaderboard.cli import audit_session
+
 
 @pytest.fixture
 def verify(compiled: None, exported: Path, tmp_path: Path) -> Run:
@@ -40,3 +44,14 @@ def test_a_wrong_digit_makes_it_fail_and_is_named_in_text_and_document(exported:
     assert (printed.returncode, document["holds"]) == (1, False)
     named = [one for one in document["findings"] if one["field"] == "wins"]
     assert [(one["track"], one["published"], one["expected"]) for one in named] == [("battle", 99, wins)]
+
+
+def test_where_nothing_could_be_checked_nothing_is_called_right(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    report = Report("Spring", "http://host", ("a", "b"), checks=[Check("records", None)])
+    monkeypatch.setattr(audit_session, "_audited", lambda *_: report)
+    audit_session.run_audit("http://host", LocalExecutor(1))
+    said = capsys.readouterr().out
+    assert "nothing could be checked yet" in said
+    assert "right" not in said

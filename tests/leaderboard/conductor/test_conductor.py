@@ -175,7 +175,7 @@ def test_a_season_without_the_key_of_its_model_says_so(season: Season, sqlite: D
     conduct(sqlite, changed(season, model=model), has_failed)
 
     with sqlite.reading() as session:
-        assert "NO_SUCH_KEY is not set" in (read_state(session, FAILED) or {})["reason"]
+        assert "the variable NO_SUCH_KEY, which" in (read_state(session, FAILED) or {})["reason"]
 
 
 def on_ray(season: Season, address: str) -> Season:

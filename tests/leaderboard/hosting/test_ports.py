@@ -32,7 +32,9 @@ def test_a_port_that_is_taken_or_of_another_machine_is_refused() -> None:
     assert check_port("127.0.0.1", 0) > 0
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
-        with pytest.raises(UserError, match=f"port {port} of 127.0.0.1 cannot be used: .*in use"):
+        with pytest.raises(
+            UserError, match=f"port {port} of 127.0.0.1 cannot be used: .*in use; choose another with --port"
+        ):
             check_port("127.0.0.1", port)
     assert check_port("127.0.0.1", port) == port
     with pytest.raises(UserError, match=r"port 0 of 192\.0\.2\.1 cannot be used"):

@@ -107,11 +107,11 @@ def test_the_matches_of_a_suite_are_counted_from_one(site: Pages) -> None:
 def test_results_that_cannot_be_seen_are_named_once(site: Pages) -> None:
     path = f"/submissions/{{active}}?before={site.filled.matches['own_suite'] + 1}"
     page = site.text(path)
-    assert page.count("cannot be seen yet: everyone plays this match of the suite") == 1
-    assert "cannot be seen yet: everyone plays" in site.text(path, "owner")
+    assert page.count("cannot be seen yet: every submission plays this match of the suite") == 1
+    assert "cannot be seen yet: every submission plays" in site.text(path, "owner")
     assert "cannot be seen" not in site.text(path, "organizer")
     match = site.text("/matches/{own_suite}")
-    assert "The result cannot be seen yet: everyone plays this match" in match
+    assert "The result cannot be seen yet: every submission plays this match" in match
     assert "p99" not in match  # no column without anything in it
     assert "p99" in site.text("/matches/{own_suite}", "organizer")
 

@@ -109,8 +109,10 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
 
     with counting("files are checked") as on_progress:
         found = check_season(folder, on_progress)
+    document = {"passed": found.passed, **asdict(found)}
+    note = document.pop("note")
     if as_json:
-        print_json({"passed": found.passed, **asdict(found)})
+        print_json(document)
     for problem in found.problems:
         error_console.print(problem)
     if not found.passed:
@@ -121,4 +123,5 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     if not as_json:
         for track, seconds in found.longest.items():
             console.print(f"{track}: a match lasts at most {duration(seconds)} by its agents' time limits")
-        console.print(f"nothing is wrong: settings, secrets, database and {counted(found.files, 'file')}")
+        rest = f"; {note}" if note else f", database and {counted(found.files, 'file')}"
+        console.print(f"nothing is wrong: settings, secrets{rest}")

@@ -74,7 +74,7 @@ def test_a_match_with_a_model_is_paused_while_agents_think(
     [
         ("url = ", "are not TOML"),
         ('url = "http://host/v1"', "name: field required"),
-        ('url = "http://host/v1"\nname = "tiny"\nkey_env = "NOT_SET"', "NOT_SET is not set"),
+        ('url = "http://host/v1"\nname = "tiny"\nkey_env = "NOT_SET"', "the variable NOT_SET, which"),
         ('url = "http://host/v1"\nname = "tiny"\nkey_file = "none"', "cannot be read from"),
     ],
 )

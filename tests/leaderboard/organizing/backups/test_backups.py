@@ -230,12 +230,16 @@ def test_a_check_names_every_file_that_is_missing_or_changed(embedded: Season) -
     ]
 
 
-def test_a_check_makes_no_database(tmp_path: Path) -> None:
+def test_a_check_makes_no_database_and_misses_none_before_the_first_serve(tmp_path: Path) -> None:
     season = make_season(tmp_path / "season")
     before = set(season.folder.iterdir())
-    problems = check_season(season.folder).problems
-    assert any("`wildscav season serve` makes it" in problem for problem in problems)
+    found = check_season(season.folder)
+    assert "`wildscav season serve` makes it" in found.note
+    assert not any("no database" in problem for problem in found.problems)
     assert set(season.folder.iterdir()) == before
+
+    season.files.mkdir()  # as of a season that ran
+    assert any("there is no database" in problem for problem in check_season(season.folder).problems)
 
 
 def test_a_check_of_a_database_without_a_season_says_so(

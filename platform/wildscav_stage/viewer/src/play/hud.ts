@@ -116,7 +116,7 @@ export class Hud {
     find("ammo small").textContent = own.reload
       ? `reloading ${(own.reload / FRAMES).toFixed(1)} s`
       : own.spare < ENDLESS
-        ? `of ${own.spare} more rounds`
+        ? `/ ${own.spare} spare`
         : "rounds without end";
     const said = this.saidOf(own);
     if (said) this.notice(said, 200);
