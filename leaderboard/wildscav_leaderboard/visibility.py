@@ -37,8 +37,8 @@ from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import team_of
 
 OF_SUITE = (
-    "every submission plays this match of the suite, so it is hidden, even from its own team, until the "
-    "season's secret is published at its end"
+    "every submission plays this match of the suite, so it is hidden until the season's secret is opened "
+    "at its end, even from its own team"
 )
 NEWEST = 20  # finished matches of which something is shown, and made, before anybody asks
 FROZEN = "the public boards are frozen, so it is hidden until the season is finalized"
