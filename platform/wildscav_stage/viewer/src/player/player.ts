@@ -333,8 +333,8 @@ export class Player implements Actions, Drawn {
   // Where two are compared, a person moves the cameras of both.
   private shareCamera(): void {
     const other = this.lead ?? this.follower;
-    const place = this.screen.stage?.camera;
-    if (!other || !place) return;
+    const place = other && this.screen.stage?.camera;
+    if (!place) return;
     const camera = JSON.stringify(place);
     if (this.camera && camera !== this.camera) other.takeCamera(place);
     this.camera = camera;
