@@ -23,6 +23,7 @@ MOVED = {
     "SECURITY.md": "reporting.md",
     "benchmarks/results/baselines.md": "figures/baselines.md",
     "benchmarks/results/learning.md": "figures/learning.md",
+    "benchmarks/results/sensors.md": "figures/sensors.md",
     **GENERATED,
 }
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)")
