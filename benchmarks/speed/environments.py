@@ -62,25 +62,27 @@ def one_env(track: str, options: dict[str, Any]) -> Step:
     return step
 
 
-def vector(depth: bool) -> Step:
+def vector(track: str, options: dict[str, Any]) -> Step:
     """Return what plays a step of a vector environment of 64 matches."""
-    env = vector_env(64, env_options(depth))
+    env = vector_env(64, options, track)
     actions = [env.action_space.sample() for _ in range(8)]
     return lambda number: env.step(actions[number % 8])
 
 
 def subjects() -> list[Subject]:
     """Return what is measured."""
-    battle = {**env_options(depth=False), "time_limit": 120.0, "random_maps": 4}
+    plain, seeing = env_options(depth=False), env_options(depth=True)
+    battle = {**plain, "time_limit": 120.0, "random_maps": 4}
     return [
         Subject("match of one agent", match_alone("navigation", "submission"), 400, None),
-        Subject("environment, no sensors", one_env("Navigation", env_options(depth=False)), 200, 0, 0.6),
-        Subject("environment, 10 × 10 depth", one_env("Navigation", env_options(depth=True)), 200, 0, 0.28),
+        Subject("environment, no sensors", one_env("Navigation", plain), 200, 0, 0.6),
+        Subject("environment, 10 × 10 depth", one_env("Navigation", seeing), 200, 0, 0.28),
         Subject("match of ten fighters", match_alone("battle", *["fighter"] * 10), 100, None),
         Subject("environment, battle of ten, no sensors", one_env("Battle", battle), 100, 3, 0.6),
         Subject("batch of 64 × 1", Play(64, resets=True).step, 20, None),
-        Subject("vector environment 64 × 1, no sensors", vector(depth=False), 20, 5, 0.7),
-        Subject("vector environment 64 × 1, 10 × 10 depth", vector(depth=True), 10, 5),
+        Subject("vector environment 64 × 1, no sensors", vector("Navigation", plain), 20, 5, 0.7),
+        Subject("vector environment 64 × 1, 10 × 10 depth", vector("Navigation", seeing), 10, 5),
+        Subject("vector environment 64 × 10, battles with nine robots", vector("Battle", battle), 4, None),
     ]
 
 

@@ -78,7 +78,10 @@ class Batch:
         missing = [seat for seat in seats if seat not in self._seen_now]
         if missing:
             chosen = np.array(missing, np.int64)
-            self._share(lambda rows: self._find_seen(rows, chosen), threads)
+            if threads == 1:
+                self._find_seen(self._rows, chosen)
+            else:
+                self._share(lambda rows: self._find_seen(rows, chosen), threads)
             self._seen_now.update(missing)
         return self._seen
 

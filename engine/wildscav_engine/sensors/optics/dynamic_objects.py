@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wildscav_engine.compilation.kernel import inlined_kernel, kernel
 from wildscav_engine.compilation.passed_tables import ADDRESS, LENGTH
-from wildscav_engine.compilation.tables.array_tables import Addresses, bytes_at
+from wildscav_engine.compilation.tables.array_tables import Addresses, addresses_of, bytes_at, reader
 from wildscav_engine.compilation.tables.row_copy import row_size
 from wildscav_engine.rendering.dynamic_objects import (
     DynamicObjects,
@@ -33,7 +33,6 @@ from wildscav_engine.sensors.optics.object_parts import (
     CRATE_COLORS,
     CRATE_PARTS,
     FACES,
-    Parts,
     allocate_parts,
     colors_of_bodies,
     write_object,
@@ -49,6 +48,8 @@ BOX_YAW_STEP = 137.5  # degrees between the yaws of successive boxes, so that th
 DIFFERENT = -1  # in place of an index
 INVINCIBLE_WHITE = 0.5  # weight of white in the colours of an invincible agent
 Position = tuple[float, float, float]  # m, on the ground
+read_parts = reader(BODY_PARTS)
+BODY_TABLE, CRATE_TABLE = addresses_of(BODY_PARTS), addresses_of(CRATE_PARTS)
 
 
 def dynamic_objects_of(match: "MatchView") -> DynamicObjects:
@@ -140,14 +141,14 @@ def objects_of_matches(state: State, room: ObjectSets | None = None) -> ObjectSe
     start = np.zeros(len(state.matches.frame) + 1, np.int64)
     most = _count_parts(agents, supplies, matches, start)
     count = int(start[-1])
-    if room is None:
-        arrays = _allocate(count)
+    if room is not None and count <= len(room.arrays.kind):
+        arrays, addresses = room.arrays, room.addresses
     else:
-        arrays = room.arrays if count <= len(room.arrays.kind) else _allocate(count + count // 4)
-    objects = ObjectSets(arrays, start, most, FACES if count else 0, addresses_of_new(arrays))
-    body_colors = colors_of_bodies(int(state.agents.team.max(initial=0)) + 1)
-    _write_objects(agents, supplies, matches, BODY_PARTS, CRATE_PARTS, body_colors, objects.addresses)
-    return objects
+        arrays = _allocate(count if room is None else count + count // 4)
+        addresses = addresses_of_new(arrays)
+    body_colors = colors_of_bodies(max(1, state.agents.team.shape[1]))  # no more teams than seats
+    _write_objects(agents, supplies, matches, BODY_TABLE, CRATE_TABLE, body_colors, addresses)
+    return ObjectSets(arrays, start, most, FACES if count else 0, addresses)
 
 
 def _allocate(count: int) -> ObjectArrays:
@@ -184,13 +185,14 @@ def _write_objects(
     agents: Addresses,
     supplies: Addresses,
     matches: Addresses,
-    body: Parts,
-    crate: Parts,
+    body: Addresses,
+    crate: Addresses,
     body_colors: NDArray[np.float64],
     objects: Addresses,
 ) -> None:
     """Write the parts of everything in all matches, given the tables of their state and of the parts."""
     every, arrays, first = matches_at(matches), read_objects(objects), 0
+    of_body, of_crate = read_parts(body), read_parts(crate)
     solids = solids_between(arrays, 0, arrays.kind.shape[0])
     for match in range(every.frame.shape[0]):
         bodies, boxes = _shown_in(agents, supplies, match)
@@ -198,7 +200,7 @@ def _write_objects(
             if _is_shown(bodies, seat):
                 place = bodies.position[seat]
                 spot = (place[0], place[1], place[2])
-                write_object(AGENT, body, spot, bodies.yaw[seat], seat, first, solids, arrays.obbs)
+                write_object(AGENT, of_body, spot, bodies.yaw[seat], seat, first, solids, arrays.obbs)
                 white = INVINCIBLE_WHITE if bodies.invincible_left[seat] > 0 else 0.0
                 _paint(body_colors[bodies.team[seat]], white, seat, first, arrays.color, arrays.instance)
                 first += BODY.shape[0]
@@ -207,7 +209,7 @@ def _write_objects(
                 at = boxes.position[slot]
                 spot = (np.float64(at[0]), np.float64(at[1]), np.float64(at[2]))
                 serial = boxes.serial[slot]
-                write_object(BOX, crate, spot, BOX_YAW_STEP * serial, NO_OWNER, first, solids, arrays.obbs)
+                write_object(BOX, of_crate, spot, BOX_YAW_STEP * serial, NO_OWNER, first, solids, arrays.obbs)
                 _paint(CRATE_COLORS, 0.0, serial, first, arrays.color, arrays.instance)
                 first += CRATE.shape[0]
     for part in range(first):

@@ -95,7 +95,7 @@ def parts_of(shapes: NDArray[np.float64]) -> Parts:
     boxes = np.zeros((len(shapes), 9))
     boxes[:, :3], boxes[:, 3], boxes[:, 4] = (high + low) / 2, np.linalg.norm(half, axis=1), half[:, 1]
     boxes[:, 5], boxes[:, 8] = half[:, 0], half[:, 2]
-    return Parts(corners, faces, boxes)
+    return Parts(*map(np.ascontiguousarray, (corners, faces, boxes)))
 
 
 # Three corners of each face.
