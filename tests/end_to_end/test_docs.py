@@ -123,13 +123,6 @@ def test_no_sentence_of_a_page_begins_with_its_object(page: Path) -> None:
     assert INVERTED.findall(text) == [], "CONTRIBUTING.md has the rules of English"
 
 
-def test_the_architecture_says_where_every_system_is() -> None:
-    text = (ROOT / "docs" / "architecture.md").read_text("utf-8")
-    systems = ROOT / HOMES[0] / "simulation" / "systems"
-    for file in systems.glob("[a-z]*.py"):
-        assert f"`simulation/systems/{file.name}`" in text
-
-
 def test_the_notebook_that_plots_a_match_runs_as_it_stands(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

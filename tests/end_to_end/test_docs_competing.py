@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from tests.commands import run_command
-from tests.end_to_end.pages import blocks
+from tests.end_to_end.pages import blocks, json_documents
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.competing.season_site import Competitor, Site, competitor, season_site
 from tests.leaderboard.seasons_made import make_season
@@ -25,9 +25,7 @@ __all__ = ["competitor"]
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "competing.md"
 TEXT = PAGE.read_text("utf-8")
-COMMAND_LINE = (ROOT / "docs" / "command-line.md").read_text("utf-8").partition("## JSON")[2]
-ROWS = re.findall(r"^\| `([a-zA-Z -]+)` \| (.+) \|$", COMMAND_LINE, re.MULTILINE)
-TOLD = {command: set(re.findall(r"`([\w ]+)`", fields)) for command, fields in ROWS}
+TOLD = json_documents()
 WILDSCAV = str(Path(sys.executable).parent / "wildscav")
 ADDRESS = "https://season.example.org"
 PATIENCE = 1200  # looks at a season that plays
@@ -62,7 +60,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
         yield one
 
 
-def test_the_documents_have_the_fields_that_the_page_of_the_command_line_tells(
+def test_the_documents_have_the_fields_that_the_help_of_their_commands_tells(
     competitor: Competitor,
 ) -> None:
     def shown(command: str, *arguments: object, told: str = "") -> Any:
@@ -85,9 +83,9 @@ def test_the_documents_have_the_fields_that_the_page_of_the_command_line_tells(
     shown("team matches", number)
     of_match = json.loads(competitor.run("team", "logs", "--match", match, "--json").stdout)
     assert names(of_match) == TOLD["team logs"] - {"submission"}
-    shown("leaderboard --season", "latest")
-    shown("team submissions cancel", number, told="team submissions ACT")
-    shown("login --logout")
+    shown("leaderboard --season", "latest", told="leaderboard of a season")
+    shown("team submissions cancel", number, told="team submissions with an act")
+    shown("login --logout", told="login with --logout")
 
 
 @pytest.mark.slow

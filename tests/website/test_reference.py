@@ -13,7 +13,7 @@ import wildscav
 import wildscav.policy
 from wildscav.cli.main import app
 from wildscav.proto import match_pb2
-from wildscav_website import commands, protocol, rest, sdk
+from wildscav_website import commands, modules, protocol, rest, sdk
 
 ROOT = Path(__file__).parents[2]
 
@@ -36,6 +36,12 @@ def test_the_reference_of_commands_tells_every_command_and_option() -> None:
             if parameter.param_type_name == "option" and not parameter.hidden:
                 for option in parameter.opts:
                     assert re.search(rf"[` ]{option}[ ,`]", entries[path]), (path, option)
+
+
+def test_the_list_of_modules_says_of_every_system_of_the_game_what_it_does() -> None:
+    page = modules.page()
+    for file in (ROOT / "engine" / "wildscav_engine" / "simulation" / "systems").glob("[a-z]*.py"):
+        assert re.search(rf"^\| `{file.name}` \| \w.+ \|$", page, re.MULTILINE), file.name
 
 
 def test_the_reference_of_the_protocol_tells_every_field() -> None:
