@@ -12,6 +12,7 @@ from wildscav_website import (
     demo_season,
     environments,
     home,
+    legacy,
     modules,
     protocol,
     python_reference,
@@ -63,4 +64,6 @@ def on_page_markdown(markdown: str, /, *, page: Page, config: MkDocsConfig, file
     if path == "index.md":
         page.meta["hide"] = ["navigation"]
         return home.with_readers(markdown, config.nav or [])
+    if path == "legacy.md":
+        return legacy.with_fields(markdown)
     return environments.link_to_pages(markdown) if path == "environments.md" else markdown

@@ -56,8 +56,8 @@ def submit(
     `queue_position`, `expected_wait` (s), `validation` (how far it is), `charged`, `platform_faults`, `fault`
     (`agent` or `platform`), `reason`, `last_lines`, `command`, `history`, `progress`.
 
-    While it takes part, `progress` has one entry for each of its tracks: `track`, `played` and `planned` matches,
-    and `missing`, how many teams a ladder waits for before it makes matches.
+    While it takes part, `progress` has one entry for each of its tracks: `track`, `played` and `planned`
+    matches, and `missing`, how many teams a ladder waits for before it makes matches.
     """
     from wildscav_evaluator.cli.options.selection import load_named
 
