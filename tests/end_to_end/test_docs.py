@@ -87,7 +87,7 @@ def test_the_files_that_the_architecture_names_exist() -> None:
 
 
 # Files that pages let readers make.
-TO_WRITE = {"hills", "orbit", "fort.toml", "spring", "altimeter.py", "eval.py", "model.toml"}
+TO_WRITE = {"hills", "orbit", "fort.toml", "spring", "altimeter.py", "eval.py", "model.toml", "my-agent"}
 
 
 @pytest.mark.parametrize(
