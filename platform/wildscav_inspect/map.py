@@ -166,7 +166,10 @@ def export(
 @app.command(cls=MapCommand)
 @takes(MapOptions)
 def info(named: MapOptions, as_json: AsJson = False) -> None:
-    """Print statistics of a map."""
+    """Print statistics of a map.
+
+    With --json: `map`, and `figures`, each as text.
+    """
     from wildscav.terminal.console import console, print_json
     from wildscav_engine.simulation.map_statistics import map_statistics
 

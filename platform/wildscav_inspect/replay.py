@@ -58,7 +58,13 @@ Scene = Annotated[
         "--scene", help="Write the two files from which a viewer of one's own draws it to this folder."
     ),
 ]
-Web = Annotated[bool, typer.Option("--web", help="Serve it with a browser viewer until Ctrl-C.")]
+Web = Annotated[
+    bool,
+    typer.Option(
+        "--web",
+        help="Serve it with a browser viewer until Ctrl-C; ?theme=light or ?theme=dark chooses a theme.",
+    ),
+]
 Host = Annotated[
     str | None, typer.Option(help="Address that --web listens on. Default: 127.0.0.1, this machine only.")
 ]

@@ -45,28 +45,28 @@ class Number(NamedTuple):
 
 # The original game's defaults; where they are not known, the values that its client sends by default.
 FIELDS = {
-    "timeout": Number(60, 1, 86_400),
-    "game_mode": Number(GameMode.NAVIGATION_MODE, min(TRACKS), max(TRACKS)),
-    "map_id": Number(1, 1, 999),
+    "timeout": Number(60, 1, 86_400),  # s
+    "game_mode": Number(GameMode.NAVIGATION_MODE, min(TRACKS), max(TRACKS)),  # navigation, gathering, battle
+    "map_id": Number(1, 1, 999),  # of a numbered map
     "random_seed": Number(0, -(2**31), 2**31 - 1),
-    "trigger_range": Number(1.0, 0.01, 20.0),
-    "supply_heatmap_radius": Number(50, 1, 1000),
-    "supply_create_percent": Number(50, 0, 50),
-    "supply_house_create_percent": Number(50, 0, 100),
-    "supply_grid_length": Number(3, 1, 100),
-    "supply_random_min": Number(1, 1, 1000),
-    "supply_random_max": Number(1, 1, 1000),
-    "supply_house_random_min": Number(10, 1, 1000),
-    "supply_house_random_max": Number(10, 1, 1000),
-    "supply_refresh_time": Number(0, 0, 86_400),
-    "respawn_time": Number(10, 0, 600),
-    "invincible_time": Number(10, 0, 600),
-    "supply_loss_percent_when_dead": Number(50, 0, 100),
+    "trigger_range": Number(1.0, 0.01, 20.0),  # m
+    "supply_heatmap_radius": Number(50, 1, 1000),  # m
+    "supply_create_percent": Number(50, 0, 50),  # % outdoors
+    "supply_house_create_percent": Number(50, 0, 100),  # % indoors
+    "supply_grid_length": Number(3, 1, 100),  # m
+    "supply_random_min": Number(1, 1, 1000),  # in a box outdoors
+    "supply_random_max": Number(1, 1, 1000),  # in a box outdoors
+    "supply_house_random_min": Number(10, 1, 1000),  # in a box indoors
+    "supply_house_random_max": Number(10, 1, 1000),  # in a box indoors
+    "supply_refresh_time": Number(0, 0, 86_400),  # s
+    "respawn_time": Number(10, 0, 600),  # s
+    "invincible_time": Number(10, 0, 600),  # s
+    "supply_loss_percent_when_dead": Number(50, 0, 100),  # %
     "water_speed_decay": Number(0.5, 0.01, 1.0),
-    "hp": Number(100, 1, 10_000),
+    "hp": Number(100, 1, 10_000),  # of each agent
     "num_pack_ammo": Number(60, 0, 100_000),
     "gun_capacity": Number(15, 0, 1000),
-    "attack_power": Number(20, 0, 10_000),
+    "attack_power": Number(20, 0, 10_000),  # hp a hit
 }
 
 

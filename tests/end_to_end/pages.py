@@ -2,12 +2,17 @@
 
 import re
 import shlex
+from collections.abc import Iterator
 from contextlib import chdir, redirect_stdout
 from io import StringIO
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 from tests.commands import run_command
+
+from wildscav.cli import main
 
 ROOT = Path(__file__).parents[2]
 
@@ -44,3 +49,18 @@ def run_line(line: str, folder: Path, *more: str) -> str:
         done = run_command(*words, *more, cwd=folder)
     assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
     return done.stdout
+
+
+def json_documents() -> dict[str, set[str]]:
+    """What the help of each command tells of its ``--json``, by the command and what it is about."""
+    return dict(_documents(typer.main.get_command(main.app), ""))
+
+
+def _documents(command: Any, path: str) -> Iterator[tuple[str, set[str]]]:
+    for name in command.list_commands(None) if hasattr(command, "list_commands") else ():
+        yield from _documents(command.get_command(None, name), f"{path} {name}".strip())
+    if any("--json" in parameter.opts for parameter in command.params):
+        told = re.findall(r"^With --json(?:, (.+?))?: (.*)$", command.help, re.MULTILINE)
+        assert told, path
+        for about, fields in told:
+            yield f"{path} {about}".strip(), set(re.findall(r"`(\w+)`", fields))

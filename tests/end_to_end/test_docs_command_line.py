@@ -1,18 +1,14 @@
-"""What the page of the command line says of --json is true: which commands have it, and which fields."""
+"""What the help of commands says of --json is true: the fields that their documents have."""
 
 import json
-import re
-from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 import pytest
-import typer
 from tests.commands import run_command
+from tests.end_to_end.pages import json_documents
 from tests.evaluator.results_by_hand import MODEL, RESULTS
 
-from wildscav.cli import main
 from wildscav_evaluator.check.findings import Verdict
 from wildscav_evaluator.output.results import write_results
 from wildscav_evaluator.scores.compare import compare
@@ -22,22 +18,8 @@ from wildscav_leaderboard.publishing.export import export
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import make_season_folder
 
-PAGE = Path(__file__).parents[2] / "docs" / "command-line.md"
-TEXT = PAGE.read_text("utf-8")
-ROWS = re.findall(r"^\| `([a-zA-Z… ]+)` \| (.+) \|$", TEXT.partition("## JSON")[2], re.MULTILINE)
-TOLD = {command: set(re.findall(r"`([\w ]+)`", fields)) for command, fields in ROWS}
+TOLD = json_documents()
 APART = ("metrics", "limits", "figures", "missing")  # what stands in them has names of its own
-
-
-def test_the_commands_told_are_those_that_take_json() -> None:
-    def taking(command: Any, path: str) -> Iterator[str]:
-        for name in command.list_commands(None) if hasattr(command, "list_commands") else ():
-            yield from taking(command.get_command(None, name), f"{path} {name}".strip())
-        if any("--json" in parameter.opts for parameter in command.params):
-            yield path
-
-    told = {command.rstrip("ACDEFLORTU… ") for command in TOLD}
-    assert set(taking(typer.main.get_command(main.app), "")) == told
 
 
 def document(*arguments: object) -> dict[str, object]:
@@ -59,7 +41,7 @@ def names(document: object) -> set[str]:
 
 def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
     (tmp_path / "none.wsr").touch()
-    assert names(document("verify", tmp_path / "none.wsr")) == TOLD["verify RECORD…"]
+    assert names(document("verify", tmp_path / "none.wsr")) == TOLD["verify of records"]
 
     played = RESULTS.model_copy(update={"model": MODEL})
     standings = document("leaderboard", write_results(played, tmp_path), "--track", "roy")
@@ -76,8 +58,8 @@ def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
     season = Season.open(tmp_path / "season")
     export(season, season.database(), exported)
     findings = {field.name for field in fields(Finding)}
-    assert names(document("verify", exported)) | findings == TOLD["verify URL"]
-    assert set(compare(RESULTS, "my-agent", "homing").as_json()) | {"folder"} == TOLD["compare"] - {"json"}
+    assert names(document("verify", exported)) | findings == TOLD["verify of a season"]
+    assert set(compare(RESULTS, "my-agent", "homing").as_json()) | {"folder"} == TOLD["compare"]
     assert {verdict.value for verdict in Verdict} <= TOLD["check"]
 
 

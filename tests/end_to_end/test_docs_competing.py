@@ -1,4 +1,4 @@
-"""What the page of competitors says is true: its commands lead from an invitation to the board."""
+"""What the pages of competitors say is true: the tutorial's commands lead from nothing to the board."""
 
 import json
 import re
@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from tests.commands import run_command
-from tests.end_to_end.pages import blocks
+from tests.end_to_end.pages import blocks, json_documents
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.competing.season_site import Competitor, Site, competitor, season_site
 from tests.leaderboard.seasons_made import make_season
@@ -24,10 +24,9 @@ __all__ = ["competitor"]
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "competing.md"
+TUTORIAL = ROOT / "docs" / "tutorial-competitor.md"
 TEXT = PAGE.read_text("utf-8")
-COMMAND_LINE = (ROOT / "docs" / "command-line.md").read_text("utf-8").partition("## JSON")[2]
-ROWS = re.findall(r"^\| `([a-zA-Z -]+)` \| (.+) \|$", COMMAND_LINE, re.MULTILINE)
-TOLD = {command: set(re.findall(r"`([\w ]+)`", fields)) for command, fields in ROWS}
+TOLD = json_documents()
 WILDSCAV = str(Path(sys.executable).parent / "wildscav")
 ADDRESS = "https://season.example.org"
 PATIENCE = 1200  # looks at a season that plays
@@ -62,7 +61,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
         yield one
 
 
-def test_the_documents_have_the_fields_that_the_page_of_the_command_line_tells(
+def test_the_documents_have_the_fields_that_the_help_of_their_commands_tells(
     competitor: Competitor,
 ) -> None:
     def shown(command: str, *arguments: object, told: str = "") -> Any:
@@ -85,13 +84,30 @@ def test_the_documents_have_the_fields_that_the_page_of_the_command_line_tells(
     shown("team matches", number)
     of_match = json.loads(competitor.run("team", "logs", "--match", match, "--json").stdout)
     assert names(of_match) == TOLD["team logs"] - {"submission"}
-    shown("leaderboard --season", "latest")
-    shown("team submissions cancel", number, told="team submissions ACT")
-    shown("login --logout")
+    shown("leaderboard --season", "latest", told="leaderboard of a season")
+    shown("team submissions cancel", number, told="team submissions with an act")
+    shown("login --logout", told="login with --logout")
+
+
+def commands(page: Path) -> list[list[str]]:
+    """The commands of a page, as words."""
+    return [words for block in blocks(page, "console") for words in lines(block)]
+
+
+def test_the_tutorial_gives_the_commands_with_which_the_page_of_competitors_begins() -> None:
+    assert all(words in commands(TUTORIAL) for words in lines(blocks(PAGE, "console")[0]))
+
+
+def improve(agent: Path) -> None:
+    """Change the agent that a newcomer begins with as the tutorial says."""
+    imports, aiming = blocks(TUTORIAL, "python")
+    code, changes = re.subn(r" {8}if enemy is not None:\n( {12}.*\n)+", aiming, agent.read_text("utf-8"))
+    assert changes == 1
+    agent.write_text(code.replace("import random\n", f"import random\n{imports}"), "utf-8")
 
 
 @pytest.mark.slow
-def test_the_way_from_an_invitation_to_the_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_way_from_nothing_to_the_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     season = make_season(tmp_path / "season", "matches = 2\nwaiting = 2", current=True)
     settings = season.folder / "season.toml"
     settings.write_text(settings.read_text().replace('"open"', '"invited"'))
@@ -117,11 +133,19 @@ def test_the_way_from_an_invitation_to_the_board(tmp_path: Path, monkeypatch: py
     server = subprocess.Popen([WILDSCAV, "season", "serve", str(season.folder), "--port", str(port)])
     try:
         until(bool, "leaderboard", "--season", url)
-        for words in lines(blocks(PAGE, "console")[0]):
+        match = 0
+        for words in commands(TUTORIAL):
             own = [word.replace(ADDRESS, url).replace("invite_KEY", key) for word in words[1:]]
+            own = [{"12": "1", "345": str(match)}.get(word, word) for word in own]
+            if own[0] == "watch":  # until Ctrl-C
+                continue
             run(*own, *(["--name", "ada"] if own[0] == "login" else []))  # a person would be asked for it
-        until(has_team, "leaderboard", "--season", "latest")
-        match = until(seen_match, "team", "matches", "1", "--track", "battle")
+            if own[0] == "evaluate":
+                improve(tmp_path / "my-agent" / "agent.py")
+                assert "since last time" in run(*own)
+            elif own[0] == "leaderboard":
+                until(has_team, "leaderboard", "--season", "latest")
+                match = until(seen_match, "team", "matches", "1", "--track", "battle")
         run("replay", str(match), "--no-images")
         run("verify", f"match-{match}.wsr")
     finally:

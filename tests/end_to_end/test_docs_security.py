@@ -48,19 +48,12 @@ def test_the_limits_of_archives_are_told() -> None:
 
 def test_what_a_connection_may_cost_is_told() -> None:
     for words in (
-        (
-            f"{accounting.UNKNOWN_ALLOWANCE:g} on a connection before it has joined, "
-            f"{accounting.KNOWN_ALLOWANCE:,g} after, and {accounting.REFILL_PER_SECOND:g} a second more; "
-            f"a header counts as {accounting.HEADERS_COST:g}; "
-            f"each message that the server sends earns at least {accounting.REFILL_PER_MESSAGE:g}"
-        ),
-        f"{HEADER_LIMIT >> 10} KiB a call",
+        f"{HEADER_LIMIT >> 10} KiB of headers a call",
         f"in an evaluation {SEAT_ENDPOINT.connections}, ",
         f"and {SEAT_ENDPOINT.max_total_connections} in a whole match",
         f"{STREAMS} streams each",
         f"{UNREAD_LIMIT} messages ahead",
     ):
         assert words in PAGE, words
-    assert (accounting.SHARE, accounting.READ_COST) == (0.25, 0.25)
-    assert "each read counts as a quarter of such a frame" in PAGE
+    assert accounting.SHARE == 0.25
     assert "a quarter of a core for all of them" in PAGE

@@ -1,10 +1,11 @@
-"""The page on submitting tells the clock, the outcomes, the refusals and the checks as the code has them."""
+"""The page on submitting tells clock, outcomes and checks as they are, and shows the agent in JavaScript."""
 
 import re
 import tomllib
 from pathlib import Path
 
 import pytest
+from tests.end_to_end.pages import blocks
 from tests.platform.helpers.hostile_client import REASONS
 
 from wildscav_engine.specs.actions import Field
@@ -15,7 +16,10 @@ from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.time_limits import Clock
 
 REPOSITORY = Path(__file__).parents[2]
-PAGE = (REPOSITORY / "docs" / "submitting.md").read_text("utf-8")
+FILE = REPOSITORY / "docs" / "submitting.md"
+PAGE = FILE.read_text("utf-8")
+AGENT = REPOSITORY / "submissions" / "homing-js"
+CODE = "\n".join(path.read_text("utf-8") for path in sorted(AGENT.glob("*.js")))
 PROTO = (REPOSITORY / "platform" / "wildscav" / "proto" / "match.proto").read_text("utf-8")
 
 
@@ -30,7 +34,7 @@ def rows(title: str) -> list[list[str]]:
 
 
 def test_the_manifest_shown_is_one() -> None:
-    content, command = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    content, command = blocks(FILE, "toml")
     manifest = tomllib.loads(content)
     assert Manifest.model_validate(manifest).name == "my-agent"
     del manifest["entry_point"]
@@ -45,7 +49,7 @@ def test_every_outcome_is_told_with_its_fault() -> None:
 def test_every_clock_is_told_with_what_holds() -> None:
     told = [row[0] for row in rows("The clock") if len(row) == 4]
     assert told == list(USED)
-    holding = section("The clock").partition("What holds while a seat thinks")[2].partition(" hold, so")[0]
+    holding = section("The clock").partition("While a seat thinks")[2].partition(" hold, so")[0]
     assert re.findall(r"`(\w+)`", holding) == [field.name.lower() for field in Field if HELD[field]]
 
 
@@ -77,3 +81,35 @@ def test_every_check_is_told(name: str) -> None:
 
 def test_what_is_left_out_of_a_submission_is_told() -> None:
     assert set(re.findall(r"`([_.]\w+)`", section("The files of a submission"))) == LEFT_OUT
+
+
+@pytest.mark.parametrize("block", blocks(FILE, "javascript"), ids=lambda block: block.strip().splitlines()[0])
+def test_the_code_shown_is_the_agents(block: str) -> None:
+    assert block in CODE
+
+
+def test_the_manifest_shown_is_the_agents() -> None:
+    shown = blocks(FILE, "toml")[1]
+    manifest = Manifest.model_validate(tomllib.loads(shown))
+    own = Manifest.model_validate(tomllib.loads((AGENT / "submission.toml").read_text("utf-8")))
+
+    assert manifest.model_copy(update={"sensors": own.sensors}) == own
+    assert manifest.sensors["lidar"].items() <= own.sensors["lidar"].items()
+
+
+def test_every_file_of_the_agent_that_is_named_is_there() -> None:
+    named = set(re.findall(r"`([\w.-]+\.(?:js|proto|toml))`", section("Agents in other languages")))
+    assert {"agent.js", "seat.js", "steering.js", "tensors.js"} <= named
+    for name in named:
+        assert (AGENT / name).is_file(), name
+
+
+def test_every_field_and_message_that_is_named_is_in_the_protocol() -> None:
+    named = re.findall(r"`(MatchInfo|Observation|MatchOver|Ready|Tensor|Action)(?:\.(\w+))?`", PAGE)
+    assert len(named) > 8
+    for message, field in named:
+        body = re.search(rf"^message {message} {{(.*?)}}", PROTO, re.DOTALL | re.MULTILINE)
+        assert body, message
+        assert not field or re.search(rf" {field} = \d+;", body[1]), f"{message}.{field}"
+    for field in ("target", "hit_seat", "hit_by_seat"):
+        assert re.search(rf"optional \w+ {field} = ", PROTO), field

@@ -13,7 +13,8 @@ import wildscav
 import wildscav.policy
 from wildscav.cli.main import app
 from wildscav.proto import match_pb2
-from wildscav_website import commands, protocol, rest, sdk
+from wildscav_legacy.episode import FIELDS
+from wildscav_website import commands, legacy, modules, protocol, rest, sdk
 
 ROOT = Path(__file__).parents[2]
 
@@ -36,6 +37,19 @@ def test_the_reference_of_commands_tells_every_command_and_option() -> None:
             if parameter.param_type_name == "option" and not parameter.hidden:
                 for option in parameter.opts:
                     assert re.search(rf"[` ]{option}[ ,`]", entries[path]), (path, option)
+
+
+def test_the_page_of_the_original_client_gets_every_field_with_its_default_and_its_range() -> None:
+    page = legacy.with_fields((ROOT / "docs" / "legacy.md").read_text("utf-8"))
+    rows = re.findall(r"^\| `(\w+)` \| ([-\de+.]+) \| ([-\de+.]+) \| ([-\de+.]+) \|", page, re.MULTILINE)
+    told = {name: tuple(map(float, numbers)) for name, *numbers in rows}
+    assert told == {name: tuple(map(float, number)) for name, number in FIELDS.items()}
+
+
+def test_the_list_of_modules_says_of_every_system_of_the_game_what_it_does() -> None:
+    page = modules.page()
+    for file in (ROOT / "engine" / "wildscav_engine" / "simulation" / "systems").glob("[a-z]*.py"):
+        assert re.search(rf"^\| `{file.name}` \| \w.+ \|$", page, re.MULTILINE), file.name
 
 
 def test_the_reference_of_the_protocol_tells_every_field() -> None:

@@ -7,7 +7,18 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files, InclusionLevel
 from mkdocs.structure.pages import Page
 
-from wildscav_website import commands, demo_season, environments, home, protocol, python_reference, rest, sdk
+from wildscav_website import (
+    commands,
+    demo_season,
+    environments,
+    home,
+    legacy,
+    modules,
+    protocol,
+    python_reference,
+    rest,
+    sdk,
+)
 from wildscav_website.links import GENERATED, MOVED, ROOT, SOURCES, links_for_site
 
 ASSETS = Path(__file__).parents[1] / "assets"
@@ -22,6 +33,7 @@ def generated_pages() -> dict[str, Callable[[], str]]:
         **python_reference.pages(),
         "demo-season.md": demo_season.page,
         "reference/commands.md": commands.page,
+        "reference/modules.md": modules.page,
         "reference/protocol.md": protocol.page,
         "reference/rest.md": rest.page,
         "reference/sdk.md": sdk.page,
@@ -52,4 +64,6 @@ def on_page_markdown(markdown: str, /, *, page: Page, config: MkDocsConfig, file
     if path == "index.md":
         page.meta["hide"] = ["navigation"]
         return home.with_readers(markdown, config.nav or [])
+    if path == "legacy.md":
+        return legacy.with_fields(markdown)
     return environments.link_to_pages(markdown) if path == "environments.md" else markdown

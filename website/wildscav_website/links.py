@@ -12,6 +12,8 @@ SOURCES = "source/"  # the website's folder for other files of the repository th
 GENERATED = {
     "platform/wildscav/proto/match.proto": "reference/protocol.md",
     "platform/wildscav/agent.py": "reference/sdk.md",
+    "platform/wildscav/cli/main.py": "reference/commands.md",
+    "website/wildscav_website/modules.py": "reference/modules.md",
 }
 # Files outside docs/ that are pages of the website.
 MOVED = {

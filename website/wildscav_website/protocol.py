@@ -24,8 +24,8 @@ PROTO = Path(wildscav.__file__).parent / "proto" / "match.proto"
 HEAD = """# Protocol
 
 This page is generated from `platform/wildscav/proto/match.proto` and its comments. The [SDK](sdk.md)
-implements the protocol for agents in Python; [submitting an agent](../submitting.md) explains how to write
-one in another language.
+implements the protocol for agents in Python; [agents in other
+languages](../submitting.md#agents-in-other-languages) shows how to speak it.
 """
 # Numbers of fields in descriptors, which make up the paths of comments.
 MESSAGES, ENUMS, SERVICES = 4, 5, 6

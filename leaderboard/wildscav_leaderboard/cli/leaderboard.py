@@ -45,6 +45,14 @@ def leaderboard(
     """Show the standings on every track: the latest evaluation of each submission, and tournaments.
 
     With --season, show the boards of a season; no account is needed for that.
+
+    With --json: `standings`: the values that all rows share (`track`, `suite`, `seed`, `rounds`, versions,
+    `sandbox`, `limits`, `clock`, `model`), and `rows`: `rank`, `submission`, `version`, `digest`,
+    `interface`, `started`, `key` (that signed it), `matches`, `faults`, `scores` of each; `overall`, the same
+    across tracks, with rows as in results.json; `tournaments`, as in their files.
+
+    With --json, of a season: `season` (title, dates, tracks, announcements), and `boards`, as the season
+    publishes them.
     """
     named = where or []
     if season is None and len(named) == 1 and _is_address(named[0]):

@@ -58,6 +58,10 @@ def login(
     """Log in to a season, or out of it; the commands that follow are about this one.
 
     The token that the season gives is kept in a file that only you can read.
+
+    With --json: `url`, `season`, `title`, and `account`: `name`, `role`, `team`, `quota`.
+
+    With --json, with --logout: `url`, and whether the token was `revoked`.
     """
     from wildscav_leaderboard.competing.connection import Connection, is_open_to_others
     from wildscav_leaderboard.competing.logins import Login, Logins

@@ -28,7 +28,10 @@ def logs(
     season: SeasonUrl = None,
     as_json: AsJson = False,
 ) -> None:
-    """Print what your agent printed: in the validation of a submission, or in a match."""
+    """Print what your agent printed: in the validation of a submission, or in a match.
+
+    With --json: `logs`: `log`, and `submission`, or `match` and `seat`, of each.
+    """
     if (submission is None) == (match is None):
         raise UserError("name a submission, or a match with --match", exit_code=2)
     if seat is not None and match is None:

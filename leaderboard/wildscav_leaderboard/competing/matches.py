@@ -30,7 +30,13 @@ def matches(
     season: SeasonUrl = None,
     as_json: AsJson = False,
 ) -> None:
-    """List the matches of a submission, or of the whole season; or show one match."""
+    """List the matches of a submission, or of the whole season; or show one match.
+
+    With --json: `matches`: `id`, `kind`, `track`, `number`, `state`, `since`, `created`, `detail`,
+    `platform_faults`, `judging`, `superseded` (since when a later judging counts), `hidden` (why), `record`
+    (its digest), and `seats`: `seat`, `entrant` (in records), `name`, `submission`, `team`, `team_title`,
+    `status`, `fault`, `detail`, `metrics`, and of your own team's the latencies, of each.
+    """
     if match is not None and (submission is not None or track is not None):
         raise UserError("--match shows one match: leave out the others", exit_code=2)
     with season_client(season) as client:

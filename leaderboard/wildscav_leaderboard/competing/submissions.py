@@ -43,7 +43,13 @@ def submissions(
     season: SeasonUrl = None,
     as_json: AsJson = False,
 ) -> None:
-    """List your team's submissions, show one, or decide whether it takes part."""
+    """List your team's submissions, show one, or decide whether it takes part.
+
+    With --json: `submissions`, each with the fields that `wildscav submit` tells; `history` and `progress`
+    only of one that is asked for by its number.
+
+    With --json, with an act: `submission`.
+    """
     if act is not None and act.isascii() and act.isdigit():
         number, act = int(act), None
     if act is not None:

@@ -48,7 +48,17 @@ def submit(
     season: SeasonUrl = None,
     as_json: AsJson = False,
 ) -> None:
-    """Hand in a submission for your team. `wildscav check` tells beforehand whether it will pass."""
+    """Hand in a submission for your team. `wildscav check` tells beforehand whether it will pass.
+
+    With --json: `quota`, `not_played` (tracks that the season lacks), and `submission`: `id`, `team`,
+    `team_title`, `name`, `version`, `message`, `tracks`, `digest`, `size`, `created`, `state`, `playing`
+    (tracks), `kept`, `replaces` (by track, the number of what will leave it), `since`, `deadline`,
+    `queue_position`, `expected_wait` (s), `validation` (how far it is), `charged`, `platform_faults`, `fault`
+    (`agent` or `platform`), `reason`, `last_lines`, `command`, `history`, `progress`.
+
+    While it takes part, `progress` has one entry for each of its tracks: `track`, `played` and `planned`
+    matches, and `missing`, how many teams a ladder waits for before it makes matches.
+    """
     from wildscav_evaluator.cli.options.selection import load_named
 
     loaded = load_named(submission)

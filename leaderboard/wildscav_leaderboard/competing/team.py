@@ -31,7 +31,11 @@ def create(
     season: SeasonUrl = None,
     as_json: AsJson = False,
 ) -> None:
-    """Make a team, and print the key with which teammates join it."""
+    """Make a team, and print the key with which teammates join it.
+
+    With --json: `team`: `name`, `title`, `created`, `disqualified` (why), `members`; and `key`, for
+    teammates.
+    """
     with season_client(season) as client:
         made = client.make_team(name, title)
     if as_json:
@@ -46,7 +50,10 @@ def join(
     season: SeasonUrl = None,
     as_json: AsJson = False,
 ) -> None:
-    """Join a team with its key."""
+    """Join a team with its key.
+
+    With --json: `team`.
+    """
     with season_client(season) as client:
         team = client.join_team(key)
     if as_json:
@@ -56,7 +63,10 @@ def join(
 
 @app.command()
 def leave(season: SeasonUrl = None, as_json: AsJson = False) -> None:
-    """Leave your team. What it submitted stays."""
+    """Leave your team. What it submitted stays.
+
+    With --json: `left`, the team's name.
+    """
     with season_client(season) as client:
         team = client.me().team
         client.leave_team()
@@ -74,7 +84,11 @@ def show(
     season: SeasonUrl = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show a team: its members, and what is left of your own team's quota."""
+    """Show a team: its members, and what is left of your own team's quota.
+
+    With --json: `team`; for your own also `quota`: `per_day`, `used_today`, `left_today`, `resets`,
+    `active_per_track`, `active`, `archive` (MiB that one may have).
+    """
     with season_client(season) as client:
         quota: QuotaView | None = None
         if name is None:
@@ -92,7 +106,10 @@ def show(
 
 @app.command()
 def key(season: SeasonUrl = None, as_json: AsJson = False) -> None:
-    """Print another key for teammates; the old one is worth nothing from now on."""
+    """Print another key for teammates; the old one is worth nothing from now on.
+
+    With --json: `key`.
+    """
     with season_client(season) as client:
         made = client.new_team_key()
     if as_json:

@@ -70,6 +70,8 @@ def dataset(
 
     Its episodes are those of records, played again exactly, or those that an agent plays now. Observations
     and actions are those of the environments, of version 1 unless an option says otherwise.
+
+    With --json: `id`, `folder`, `episodes`, `steps` and `mean_return`.
     """
     from wildscav.terminal.console import console, print_json
     from wildscav_training.cli.from_policy import read_option

@@ -108,6 +108,9 @@ def train(
     """Train a policy, measure it on maps of training and of testing, and make a submission of it.
 
     Each run learns on one processor core; it writes its figures for TensorBoard, and can be continued.
+
+    With --json: `folder`, and `runs`: `seed`, `steps`, `cpu_seconds`, `wall_seconds` and `scores` of each,
+    which have `split`, `choose`, `episodes` and `metrics`.
     """
     options = _environment(level, map_number, option)
     if algorithm != "ppo":

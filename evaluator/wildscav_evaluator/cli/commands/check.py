@@ -41,6 +41,9 @@ def check(
     The submission plays the beginning of a match of the suite on each of its tracks, one in which it is often
     late, and one that is cancelled. Every failure is explained, with advice on how to fix it. With --model,
     the clock is paused while the agent thinks, except with --season.
+
+    With --json: `submission`, `version`, `passed`, `logs`, and `findings`: `check`, `verdict` (`ok`,
+    `warning` or `failed`), `seen`, `advice`, `last_lines` of each.
     """
     from wildscav_evaluator.check.season import SeasonRules
     from wildscav_evaluator.check.trials import Trial

@@ -27,6 +27,9 @@ def compare(
 
     The verdict comes from a paired bootstrap: one is better if the 95 % interval of the differences, match by
     match, excludes zero. The same command continues a comparison that was interrupted.
+
+    With --json: `folder`, and what comparison.json has: `format`, `versions`, `suite`, `seed`, `rounds`,
+    `sandbox`, `limits`, `comparisons`.
     """
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_tracks
     from wildscav_evaluator.cli.sessions.compare import common_tracks, run_comparison, with_distinct_names

@@ -10,6 +10,12 @@ def doctor(
     """Test every promise of every sandbox on this machine, and everything that other packages add.
 
     With --executor ray, test the nodes of a cluster instead: which can be used, and the sandboxes there.
+
+    With --json: `sandboxes`: `name` and `promises` of each, and for each promise `name`, `kept`, `found` and
+    `remedy`; `default`: the sandbox in which agents run by default.
+
+    With --json, with --executor ray: `nodes`: `name`, `cores`, `problem` (why it gets no work at all) and
+    `sandboxes` of each: for each sandbox what it lacks there, an empty text if nothing.
     """
     from wildscav_evaluator.cli.sessions.doctor import examine_nodes, examine_this_machine
 

@@ -30,6 +30,10 @@ def evaluate(
 
     The same command continues an evaluation that was interrupted. Submissions never meet: where a match has
     several seats for submissions, the submission that is evaluated fills all of them.
+
+    With --json: `folder`, `results` (as in results.json), and `since_last`: `folder`, `version` and
+    `comparison` of each submission and track that was evaluated before, where `first` is now and `second` is
+    then.
     """
     from wildscav_evaluator.cli.options.selection import load_submissions, suite_tracks
     from wildscav_evaluator.cli.sessions.evaluate import run_session

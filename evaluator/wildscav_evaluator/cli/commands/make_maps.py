@@ -55,6 +55,8 @@ def make_maps(
     """Make many maps at once and cache them on this machine, so that training or an evaluation need not wait.
 
     Maps that are cached already are not made again.
+
+    With --json: `made`, `cached` before, `bytes` and `folder` of the cache.
     """
     from wildscav_evaluator.cli.options.selection import check_suite_has, suite_seed
     from wildscav_evaluator.map_making import choices_of_pool, choices_of_suite, run_make_maps

@@ -47,7 +47,11 @@ def play(
     model: ModelOption = None,
     as_json: AsJson = False,
 ) -> None:
-    """Play one match, each agent in its own sandbox. With --model, the clock is paused while agents think."""
+    """Play one match, each agent in its own sandbox. With --model, the clock is paused while agents think.
+
+    With --json: `track`, `map`, `seed`, `seconds`, `metrics`, and `seats`: `seat`, `name`, `metrics`,
+    `status`, `detail` of each.
+    """
     from wildscav_evaluator.cli.options.selection import check_plays, load_submissions, tracks_played
     from wildscav_evaluator.cli.sessions.play import make_spec, run_match
 

@@ -33,6 +33,10 @@ def price(
 
     At a pace, the world goes on while the agent thinks. The score is drawn over the delay, the game time that
     passes during a decision, with 95 % intervals. The same command continues what was interrupted.
+
+    With --json: `folder`, and what price.json has: `format`, `versions`, `submission`, `version`, `digest`,
+    `interface`, `think` (of --think), `track`, `suite`, `seed`, `rounds`, `sandbox`, `limits`, `model`,
+    `metric`, and `points`: `clock`, `thinking`, `delay`, `score`, `matches` and `faults` of each.
     """
     from wildscav_evaluator.cli.options.selection import load_named, suite_tracks
     from wildscav_evaluator.cli.sessions.price import clocks_of, run_price, thinking_longer

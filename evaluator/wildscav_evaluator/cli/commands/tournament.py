@@ -33,6 +33,8 @@ def tournament(
 
     Everyone plays equally often, and each map is played again with the seats exchanged. The same command
     continues a tournament that was interrupted; the order of the entrants does not matter.
+
+    With --json: `folder`, `tournament` (as in tournament.json) and `results` (as in results.json).
     """
     from wildscav_evaluator.cli.options.selection import check_suite_has, check_track
     from wildscav_evaluator.cli.options.tournament import (

@@ -123,6 +123,15 @@ def verify(
 
     With --agent, all seats play the recorded actions, so the agent sees exactly what it saw then. An agent
     that reads a clock, or uses threads or its own random numbers, may differ although its code is the same.
+
+    With --json, of records: `records`: `path`, `holds`, `message` of each.
+
+    With --json, of a folder: `folder`, `results` as the records give them, `disagreements`, and `unchecked`
+    (what cannot be proven yet), a line each.
+
+    With --json, of a season: `season`, `address`, `commitments`, `holds`; `checks`: `track`, `what`,
+    `checked` (how many) of each, and `unchecked`: `count` and `why`; `findings`: `problem`, `track`, `team`,
+    `submission`, `match`, `field`, `published`, `expected` of each.
     """
     kind = _kind_of(places, agent)
     given = {
