@@ -11,6 +11,8 @@ from wildscav_evaluator.output.results import MetricInfo, Summary
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.seasons.editions import Conditions, Part
 
+FEWEST_MATCHES = 12  # 6 games, each played twice: in fewer, the interval of a rating says nothing
+
 
 @dataclass(frozen=True)
 class Entry:
@@ -100,6 +102,11 @@ class LadderRow(Row):
     provisional: bool = False  # until its interval is as narrow as the season asks
     wins: int  # matches in which it was first, alone
     mean_place: float | None  # a tie counts as the mean of the places that it covers
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether it has played enough for its interval to say anything."""
+        return not self.provisional or self.matches >= FEWEST_MATCHES
 
 
 class SuiteBoard(Part):
