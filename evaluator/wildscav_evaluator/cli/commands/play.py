@@ -75,7 +75,7 @@ def play(
         rules=rules,
         clock="bank" if model is None else "paused",  # models take longer than a bank lasts
     )
-    asked = chosen_model(model)
+    asked = chosen_model(model, loaded)
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
     files = (record, replay, logs)
     try:
