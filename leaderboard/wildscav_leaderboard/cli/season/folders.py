@@ -109,10 +109,8 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
 
     with counting("files are checked") as on_progress:
         found = check_season(folder, on_progress)
-    document = {"passed": found.passed, **asdict(found)}
-    note = document.pop("note")
     if as_json:
-        print_json(document)
+        print_json({"passed": found.passed, **asdict(found)})
     for problem in found.problems:
         error_console.print(problem)
     if not found.passed:
@@ -123,5 +121,5 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     if not as_json:
         for track, seconds in found.longest.items():
             console.print(f"{track}: a match lasts at most {duration(seconds)} by its agents' time limits")
-        rest = f"; {note}" if note else f", database and {counted(found.files, 'file')}"
+        rest = f"; {found.note}" if found.note else f", database and {counted(found.files, 'file')}"
         console.print(f"nothing is wrong: settings, secrets{rest}")
