@@ -57,6 +57,17 @@ def test_a_metric_that_results_of_an_older_version_lack_has_no_column() -> None:
     assert alone.rows[0].metrics["spl"].mean == 0.5
 
 
+def test_a_row_says_by_which_interface_its_submission_plays_unless_by_numbers() -> None:
+    by_words = results(1, "owls", times(11.0))
+    by_words = replace(by_words, entry=replace(by_words.entry, interface="words"))
+    board = board_of_suite(by_words, results(2, "foxes", times(10.0)))
+
+    assert [row.agent for row in board.rows] == ["agent2 1", "agent1 1 (words)"]
+    # Releases before the field read boards without it.
+    assert [row.get("interface") for row in board.model_dump(mode="json")["rows"]] == [None, "words"]
+    assert "interface" not in board.model_dump(mode="json")["rows"][0]
+
+
 def test_who_cannot_be_told_apart_is_tied() -> None:
     wavering = [time + (3.0 if index % 2 else -3.0) for index, time in enumerate(times(10.0))]
     board = board_of_suite(results(1, "owls", times(10.1)), results(2, "foxes", wavering))
