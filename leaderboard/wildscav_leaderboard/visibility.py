@@ -23,7 +23,7 @@ from sqlalchemy.orm import Session, defer
 from wildscav_leaderboard.accounts.service import Caller
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, PLAYING, VOID, Match, MatchResult, MatchSeat
-from wildscav_leaderboard.matches.service import find_match
+from wildscav_leaderboard.matches.service import find_match, list_matches
 from wildscav_leaderboard.seasons import state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import ForbiddenError, NotFoundError, UnknownCallerError
@@ -130,6 +130,12 @@ def perhaps_shown(session: Session) -> list[Match]:
         shown = select(MatchResult.match_id).where(MatchResult.match_id == Match.id, MatchResult.at <= since)
         wanted = wanted.where(shown.exists())
     return list(session.scalars(wanted))
+
+
+def is_anything_shown(session: Session) -> bool:
+    """Return whether everyone may watch any of the newest matches, live or over."""
+    newest = [*list_matches(session, state=PLAYING), *perhaps_shown(session)]
+    return any("" in (seen.live, seen.record) for seen in seen_by(session, newest, None).values())
 
 
 def shown_until(session: Session, caller: Caller | None) -> datetime | None:

@@ -52,6 +52,9 @@ def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
     assert names(document("map", "info", 101)) == TOLD["map info"]
     assert names(document("map", "make", "--level", "easy", "--count", 1)) == TOLD["map make"]
     make_season_folder(tmp_path / "season", "spring", None, days=10)
+    checked = document("season", "check", tmp_path / "season")
+    assert checked.keys() == TOLD["season check"]
+    assert "there is no database" in str(checked["note"])
     attempts = {field.name for field in fields(Attempt)}
     assert names(document("season", "status", tmp_path / "season")) | attempts == TOLD["season status"]
     exported = tmp_path / "exported"

@@ -4,12 +4,26 @@ import asyncio
 from pathlib import Path
 
 import pytest
+from tests.commands import run_command
 from tests.platform.helpers.seats import small_spec
 
 from wildscav_evaluator.matches.play import MatchAssignment, play_match
 from wildscav_evaluator.submissions.submission import load_submission
 
 TALKER = Path(__file__).parents[2] / "submissions" / "talker"
+
+
+@pytest.mark.parametrize("command", [["play"], ["check"], ["evaluate"], ["tournament", "--track", "battle"]])
+def test_where_there_is_no_model_it_is_refused_before_its_match(command: list[str], tmp_path: Path) -> None:
+    others = ["homing"] if command[0] == "tournament" else []
+
+    done = run_command(*command, TALKER, *others, cwd=tmp_path)
+
+    assert done.returncode == 2
+    assert done.stderr.splitlines() == [
+        "wildscav: submission 'talker' asks a language model: add --model FILE, which names its server"
+    ]
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow

@@ -1,7 +1,7 @@
-"""Numbered output folders: where an evaluation goes by default.
+"""Numbered output folders: where an evaluation, and what the agents of one match print, goes by default.
 
-Their names consist of an increasing number and what is evaluated, such as ``0003-my-agent``. The same
-evaluation finds its folder again by its identity, even after others were evaluated.
+Their names consist of an increasing number and who plays, such as ``0003-my-agent``. The same evaluation
+finds its folder again by its identity, even after others were evaluated.
 """
 
 import re
@@ -15,18 +15,24 @@ OUT = Path("out")  # holds all output folders that are not named
 EVALUATIONS = OUT / "evaluations"
 COMPARISONS = OUT / "comparisons"
 TOURNAMENTS = OUT / "tournaments"
+PLAYED = OUT / "play"  # the agents' output in single matches
 NUMBERED = re.compile(r"(\d{4,})-.+")
 
 
 def own_folder(parent: Path, identity: Identity, *, fresh: bool) -> Path:
     """Return an evaluation's numbered folder: the one that holds it, unless it is ``fresh``, or the next."""
-    folders = numbered(parent)
     if not fresh:
-        for folder in reversed(folders):
+        for folder in reversed(numbered(parent)):
             if identity_in(folder) == identity:
                 return folder
+    return next_folder(parent, [one.name for one in identity.submissions])
+
+
+def next_folder(parent: Path, names: Sequence[str]) -> Path:
+    """Return the numbered folder that follows those in a folder, labelled with some submissions' names."""
+    folders = numbered(parent)
     last = number_of(folders[-1]) if folders else 0
-    return parent / f"{last + 1:04}-{_label([one.name for one in identity.submissions])}"
+    return parent / f"{last + 1:04}-{_label(names)}"
 
 
 def numbered(parent: Path) -> list[Path]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
+from wildscav.terminal.console import counted
 from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.scores.number_format import number
 from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
@@ -57,7 +58,11 @@ OF_LADDERS = (
     ),
     Column(
         "95 % interval",
-        _rated(lambda row: f"{row.low:,.0f}–{row.high:,.0f}"),
+        _rated(
+            lambda row: (
+                f"{row.low:,.0f}–{row.high:,.0f}" if row.is_measured else counted(row.matches, "match")
+            )
+        ),
         "interval",
         note=_rated(lambda row: "provisional" if row.provisional else ""),
     ),

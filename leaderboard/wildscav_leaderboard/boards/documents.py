@@ -7,9 +7,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from wildscav_evaluator.output.results import MetricInfo, Summary
+from wildscav_evaluator.output.json_files import WithOptionalFields
+from wildscav_evaluator.output.results import MetricInfo, OtherInterface, Summary, with_interface
 from wildscav_evaluator.seats import robot_entrant
 from wildscav_leaderboard.seasons.editions import Conditions, Part
+
+FEWEST_MATCHES = 12  # 6 games, each played twice: in fewer, the interval of a rating says nothing
 
 
 @dataclass(frozen=True)
@@ -23,12 +26,13 @@ class Entry:
     team: str = ""  # empty for a robot
     team_title: str = ""
     since: datetime | None = None
+    interface: OtherInterface | None = None  # by which it plays; None for numbers
 
     @classmethod
     def of(cls, submission: Any, team: str, title: str) -> "Entry":
         """Return a submission of a team, as it is stored or as it is published."""
         one = submission
-        return cls(one.entrant, one.id, one.name, one.version, team, title, one.created)
+        return cls(one.entrant, one.id, one.name, one.version, team, title, one.created, one.interface)
 
     @classmethod
     def of_robots(cls, robots: Iterable[str]) -> "list[Entry]":
@@ -59,8 +63,10 @@ class TotalsView(BaseModel):
     faults: dict[str, int]  # in how many matches it had each kind of fault
 
 
-class Row(Part):
+class Row(Part, WithOptionalFields):
     """A team's place on a board, with its best submission there."""
+
+    omitted = ("interface",)
 
     rank: int | None  # the best that it may have; None until it can be ranked
     last_rank: int | None  # the worst that it may have
@@ -73,6 +79,12 @@ class Row(Part):
     planned: int  # in all
     faults: int  # matches in which something went wrong in a seat of its own; on a suite 0 until it is ranked
     since: datetime | None  # when the submission was handed in
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
+
+    @property
+    def agent(self) -> str:
+        """The submission's name and version, with its interface unless it plays by numbers."""
+        return with_interface(f"{self.name} {self.version}", self.interface)
 
     @property
     def ranks(self) -> str:
@@ -100,6 +112,11 @@ class LadderRow(Row):
     provisional: bool = False  # until its interval is as narrow as the season asks
     wins: int  # matches in which it was first, alone
     mean_place: float | None  # a tie counts as the mean of the places that it covers
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether it has played enough for its interval to say anything."""
+        return not self.provisional or self.matches >= FEWEST_MATCHES
 
 
 class SuiteBoard(Part):

@@ -69,7 +69,7 @@ def _table(board: "BoardDocument") -> "Table":
         narrow = one.title.replace("% ", "%\n").replace("mean ", "mean\n")
         add_columns(table, narrow if one.metric is None else heading(one.metric))
     for row in board.rows:
-        what = "" if row.submission is None else f"{row.submission}: {row.name} {row.version}"
+        what = "" if row.submission is None else f"{row.submission}: {row.agent}"
         who = (row.ranks or NOTHING, printable(row.team_title or row.team or row.name), printable(what))
         table.add_row(*map(Text, who), *(_cell(column, row) for column in columns))
     return table

@@ -12,6 +12,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from wildscav_evaluator.output.json_files import WithOptionalFields
+from wildscav_evaluator.output.results import OtherInterface
 from wildscav_leaderboard.boards.documents import BoardDocument
 from wildscav_leaderboard.seasons.editions import Conditions, Part
 from wildscav_leaderboard.seasons.settings import Mode
@@ -91,8 +93,10 @@ class PublishedSeason(Part):
         return self.final_secret if commitment == self.final_secret.commitment else self.secret
 
 
-class PublishedSubmission(Part):
+class PublishedSubmission(Part, WithOptionalFields):
     """A submission that takes part in a board."""
+
+    omitted = ("interface",)
 
     id: int
     entrant: str  # its name in matches and records
@@ -102,6 +106,7 @@ class PublishedSubmission(Part):
     team_title: str
     created: datetime
     digest: Digest  # of its content, from which its private seeds follow
+    interface: OtherInterface | None = None  # by which it plays; omitted for numbers
 
 
 class PublishedSeat(Part):

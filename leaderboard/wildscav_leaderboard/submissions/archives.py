@@ -62,6 +62,8 @@ def check_archive(path: Path, season: Season) -> CheckedArchive:
             f"the submission plays {', '.join(submission.manifest.tracks)}, and the season has only "
             f"{', '.join(season.settings.tracks)}"
         )
+    if submission.manifest.model and season.settings.model is None:
+        raise InvalidError("the submission asks a language model, and the season offers none")
     suffix = next(suffix for suffix in SUFFIXES if path.name.endswith(suffix))
     with path.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()

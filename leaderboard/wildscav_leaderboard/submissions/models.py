@@ -40,6 +40,7 @@ class Submission(Base):
     replaces: Mapped[int | None] = mapped_column(default=None)  # which one its team wants it to replace
     last_lines: Mapped[list[str]] = mapped_column(default_factory=list)  # that its agent printed
     command: Mapped[str] = mapped_column(default="")  # that shows it again on the competitor's machine
+    interface: Mapped[str | None] = mapped_column(default=None)  # by which it plays; None for numbers
 
     @property
     def entrant(self) -> str:

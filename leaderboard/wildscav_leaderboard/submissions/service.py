@@ -81,6 +81,7 @@ def hand_in(
     check_accepting(session, season, team, account, now)
     message = checked_line(message, "message", LONGEST_MESSAGE, empty=True)
     _check_new(session, team, archive)
+    interface = archive.manifest.interface
     submission = Submission(
         team_id=team.id,
         account_id=account.id,
@@ -96,6 +97,7 @@ def hand_in(
         state=states.SUBMITTED,
         since=now,
         replaces=replaces,
+        interface=None if interface == "numbers" else interface,
     )
     session.add(submission)
     session.flush()

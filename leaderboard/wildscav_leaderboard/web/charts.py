@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 
-from wildscav_leaderboard.boards.documents import BoardDocument, Row, place_of
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderRow, Row, place_of
 from wildscav_leaderboard.boards.models import BoardPoint
 
 WIDTH, ROW = 760.0, 26.0  # pixels; the second for each rank
@@ -157,18 +157,24 @@ class Scale:
     @classmethod
     def of(cls, board: BoardDocument) -> "Scale":
         """Return the scale that shows all intervals of a board, or all that are settled if there are any."""
-        ranked = [row for row in board.rows if row.rank is not None]
+        ranked = [row for row in board.rows if row.rank is not None and _is_measured(row)]
         settled = [row for row in ranked if not getattr(row, "provisional", False)]
         ends = [end for row in settled or ranked for end in place_of(board, row)[1:]]
         lowest, highest = min(ends, default=0.0), max(ends, default=1.0)
         room = (highest - lowest or 1.0) * MARGIN
         return cls(board, lowest - room, highest + room)
 
-    def bar(self, row: Row) -> Bar:
-        """Return a row's interval on this scale."""
+    def bar(self, row: Row) -> Bar | None:
+        """Return a row's interval on this scale; None if too few matches were played for one."""
+        if not _is_measured(row):
+            return None
         middle, low, high = (self._at(value) for value in place_of(self.board, row))
         return Bar(low, middle, high)
 
     def _at(self, value: float) -> float:
         share = (value - self.lowest) / (self.highest - self.lowest)
         return round(100.0 * min(max(share, 0.0), 1.0), 2)
+
+
+def _is_measured(row: Row) -> bool:
+    return not isinstance(row, LadderRow) or row.is_measured

@@ -34,7 +34,13 @@ from wildscav_leaderboard.submissions.service import find_submission, list_submi
 from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team, team_of
-from wildscav_leaderboard.visibility import is_own, listed_for, perhaps_shown, shown_until
+from wildscav_leaderboard.visibility import (
+    is_anything_shown,
+    is_own,
+    listed_for,
+    perhaps_shown,
+    shown_until,
+)
 from wildscav_leaderboard.web.charts import Chart, rank_chart
 from wildscav_leaderboard.web.rendering import page
 
@@ -62,6 +68,7 @@ def home(
         boards=boards,
         leaders=leaders,
         latest=_latest(session, renders),
+        watchable=is_anything_shown(session),
         now=now,
     )
 

@@ -25,6 +25,7 @@ _HINTS = {
     "command": 'a list of texts, such as ["node", "agent.js"]',
     "interface": '"numbers" (the default), "words" or "keys"',
     "pictures": "true or false",
+    "model": "true or false",
     "author": "text of at most 200 characters",
     "authors": "a list of 1 to 50 texts of at most 200 characters",
     "description": "text of at most 2,000 characters",
@@ -52,6 +53,7 @@ class Manifest(BaseModel):
     tracks: Annotated[tuple[str, ...], Field(min_length=1)]
     interface: Interface = "numbers"
     pictures: bool = False  # whether a seat of words has a camera
+    model: bool = False  # whether it plays only where it may ask a language model
     sensors: dict[str, dict[str, Any]] = {}
     # Fields for people only.
     author: Annotated[str | None, Field(max_length=200)] = None

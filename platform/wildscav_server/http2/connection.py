@@ -20,6 +20,7 @@ from wildscav_server.http2.accounting import (
     FloodError,
     TimeShare,
 )
+from wildscav_server.http2.encryption import CHUNK, Encryption
 from wildscav_server.http2.frames import Code, FrameError, Kind, write_frame
 from wildscav_server.http2.session import SETTINGS, Route, Session
 
@@ -29,65 +30,9 @@ PING_AFTER = 30.0  # s without data after which a client is pinged
 REPLY_TIMEOUT = 10.0  # s that a client has to answer a ping, or to read the last data before it is closed
 CHECK_INTERVAL = 5.0  # s between two checks of a connection's timeouts
 UNKNOWN_READ_SIZE = 4096  # bytes read at a time from an unknown client
-CHUNK = 65_536  # bytes read or decrypted at a time
 BACKLOG = 1024  # connections that wait to be accepted
 AT_ONCE = 16  # connections accepted before other work gets its turn
 OUT_OF_FILES = 1.0  # s to wait when the system has no resources for a connection
-
-
-class Encryption:
-    """The server's side of TLS on one connection.
-
-    The connection itself decrypts its data, so that the time is charged to its client; asyncio's own TLS
-    would decrypt it before the connection is called.
-    """
-
-    def __init__(self, context: ssl.SSLContext) -> None:
-        self._incoming, self._outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
-        self._object = context.wrap_bio(self._incoming, self._outgoing, server_side=True)
-        self.is_ready = False  # whether the handshake is done
-        self.has_ended = False  # whether the client has announced that it sends no more
-
-    def decrypt(self, content: bytes) -> bytes:
-        """Process data from the client, and return the decrypted content.
-
-        Returns:
-            Decrypted bytes; none during the handshake, or while a record is incomplete.
-
-        Raises:
-            ssl.SSLError: The data is not valid TLS, or the client's certificate is not accepted.
-        """
-        self._incoming.write(content)
-        pieces = []
-        try:
-            if not self.is_ready:
-                self._object.do_handshake()
-                self.is_ready = True
-            while piece := self._object.read(CHUNK):
-                pieces.append(piece)
-            self.has_ended = True
-        except ssl.SSLWantReadError:
-            pass
-        except ssl.SSLZeroReturnError:
-            self.has_ended = True
-        return b"".join(pieces)
-
-    def encrypt(self, content: bytes) -> bytes:
-        """Return content as encrypted bytes to send; the handshake must be done."""
-        rest = memoryview(content)
-        while rest:
-            rest = rest[self._object.write(rest) :]  # a record at a time
-        return self._outgoing.read()
-
-    def pending_output(self) -> bytes:
-        """Return the bytes that TLS itself has to send, for a handshake or an error."""
-        return self._outgoing.read()
-
-    def end(self) -> bytes:
-        """Return the bytes that end TLS."""
-        with contextlib.suppress(ssl.SSLError):  # the client need not answer
-            self._object.unwrap()
-        return self._outgoing.read()
 
 
 class Connection(asyncio.BufferedProtocol):

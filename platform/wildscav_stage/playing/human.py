@@ -6,13 +6,14 @@ import re
 import webbrowser
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wildscav.cli.shared_options import RulesOption
+from wildscav.cli.shared_options import RulesOption, takes
 from wildscav.errors import UserError
 from wildscav.system.output_folders import check_folder
 
@@ -24,7 +25,40 @@ RECORDS = Path("out/human")
 NAME = r"[a-z0-9][a-z0-9-]{1,39}"
 
 
+@dataclass(frozen=True)
+class Serving:
+    """How the page is served."""
+
+    host: Annotated[str, typer.Option(help="Address that the page is served on.")] = "127.0.0.1"
+    port: Annotated[int, typer.Option(help="Its port; 0 for any free one.", min=0, max=65535)] = 0
+    public_url: Annotated[
+        str | None,
+        typer.Option(
+            help="Where others reach the page, behind a proxy: https://play.example.org.", metavar="URL"
+        ),
+    ] = None
+    spectator_delay: Annotated[
+        float | None,
+        typer.Option(
+            help="Seconds after which spectators see a match. Default: 3 where several people play, else 0.",
+            min=0,
+            max=60,
+            show_default=False,
+        ),
+    ] = None
+    browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True
+
+    def checked(self) -> "Serving":
+        """Return this with the address of the proxy as links have it; UserError if it is none."""
+        from wildscav_stage.playing.links import checked_public_url
+
+        url = self.public_url
+        return self if url is None else replace(self, public_url=checked_public_url(url))
+
+
+@takes(Serving)
 def human(
+    serving: Serving,
     track: Annotated[
         str | None,
         typer.Option(help="Track to play. Default: battle, or all of --suite.", show_default=False),
@@ -75,24 +109,6 @@ def human(
         typer.Option(help="Seconds of game time. Default: the track's.", min=1, max=3600, show_default=False),
     ] = None,
     rules: RulesOption = "original",
-    host: Annotated[str, typer.Option(help="Address that the page is served on.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="Its port; 0 for any free one.", min=0, max=65535)] = 0,
-    public_url: Annotated[
-        str | None,
-        typer.Option(
-            help="Where others reach the page, behind a proxy: https://play.example.org.", metavar="URL"
-        ),
-    ] = None,
-    spectator_delay: Annotated[
-        float | None,
-        typer.Option(
-            help="Seconds after which spectators see a match. Default: 3 where several people play, else 0.",
-            min=0,
-            max=60,
-            show_default=False,
-        ),
-    ] = None,
-    browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
     records: Annotated[
         Path | None,
         typer.Option(
@@ -106,14 +122,12 @@ def human(
 
     Submissions run without a sandbox, so name only those whose code you trust.
     """
-    from wildscav_stage.playing.links import checked_public_url
     from wildscav_stage.playing.plan import PERSON, make_plan, make_range
     from wildscav_stage.viewer_files import viewer_file
 
     viewer_file("play.js")
     check_folder("--records", records or RECORDS)
-    public = None if public_url is None else checked_public_url(public_url)
-    serving = Serving(host, port, public, spectator_delay, browser)
+    serving = serving.checked()
     names = None if opponents is None else [name.strip() for name in opponents.split(",") if name.strip()]
     is_usual = map_id is None and names is None and people == 1
     if suite is not None:
@@ -132,16 +146,6 @@ def human(
     else:
         plan = make_plan(track or "battle", map_id, seed, names, time_limit, people, rules)
     _play(plan, records or RECORDS, serving)
-
-
-class Serving(NamedTuple):
-    """How the page is served."""
-
-    host: str
-    port: int
-    public_url: str | None
-    delay: float | None  # s after which spectators see a match
-    browser: bool  # whether to open the page
 
 
 def _suites() -> "Callable[..., AbstractContextManager[Plan | None]]":
@@ -183,14 +187,15 @@ async def _serve(plan: "Plan", records: Path, serving: Serving) -> None:
     def say(line: str) -> None:
         console.print(line)
 
-    host, port, public_url, delay, browser = serving
-    async with served(plan, records, host, port, say, public_url=public_url, delay=delay) as (links, web):
+    public_url, delay = serving.public_url, serving.spectator_delay
+    at = serving.host, serving.port
+    async with served(plan, records, *at, say, public_url=public_url, delay=delay) as (links, web):
         say(f"play at {links.host}")
         for number, link in enumerate(links.guests, start=2):
             say(f"person {number} plays at {link}")
         if links.entrance:
             say(f"or others join at {links.entrance}")
         say(f"spectators watch at {links.watch}")
-        if browser:
+        if serving.browser:
             await asyncio.to_thread(webbrowser.open, links.host)
         await web

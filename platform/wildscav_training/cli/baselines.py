@@ -149,7 +149,9 @@ def _cell(name: str, values: Sequence[float]) -> str:
 
     if not values:
         return "–"
-    return rate(values) if name == SUCCESS else mean(values, digits=DIGITS.get(name, 3))
+    if name == SUCCESS:
+        return rate(values)
+    return mean(values, digits=DIGITS.get(name, 3 if name == "spl" else 1))
 
 
 def _rows(place: str, played: "Played") -> list[dict[str, Any]]:

@@ -15,6 +15,7 @@ from wildscav.terminal.console import PlainConsole
 from wildscav_engine.simulation.match import Match
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import MatchSpec
+from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.check.findings import Finding, Verdict
 from wildscav_evaluator.cli.result_tables import (
     LIMITS,
@@ -126,6 +127,17 @@ def is_shown(word: str, shown: str) -> bool:
         return True
     cut = next((cut for cut in range(len(word) - 1, 3, -1) if word[:cut] in shown), 0)
     return cut > 0 and is_shown(word[cut:], shown)
+
+
+@pytest.mark.parametrize("track", TRACKS)
+def test_standings_of_a_hundred_matches_are_side_by_side_in_80_columns(track: str) -> None:
+    ones = tuple(evaluation(name, track, (100.0, 150.0) * 50) for name in ("hunter", "learned-navigator"))
+    console = PlainConsole(file=io.StringIO(), width=80, color_system=None)
+
+    console.print(evaluations_table(*standings([RESULTS.model_copy(update={"evaluations": ones})])))
+
+    assert isinstance(console.file, io.StringIO)
+    assert console.file.getvalue().count("submission") == 1  # the heading, which blocks of lines repeat
 
 
 def test_the_table_since_last_time_says_which_way_is_better() -> None:

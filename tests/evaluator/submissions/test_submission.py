@@ -124,6 +124,7 @@ def test_a_program_in_any_language_may_be_the_agent(tmp_path: Path) -> None:
         ('["navigation"]', '["navigation"]\n[sensors.depth]\nwidth = -5', "sensors: .*width"),
         ("\n", "\ninterface = 'ears'\n", 'interface: is \'ears\', must be "numbers" .*, "words" or "keys"'),
         ("\n", "\npictures = 'many'\n", "pictures: is 'many', must be true or false"),
+        ("\n", "\nmodel = 'any'\n", "model: is 'any', must be true or false"),
         ("\n", "\npictures = true\n", 'pictures: is for interface = "words"'),
         (
             '["navigation"]',

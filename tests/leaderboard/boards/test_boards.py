@@ -10,13 +10,16 @@ from tests.leaderboard.boards.simulated_ladders import CONDITIONS, ROBOTS, board
 from tests.leaderboard.seasons_made import NOON
 
 from wildscav_evaluator.output.results import MetricInfo
+from wildscav_evaluator.ratings.bands import FEWEST_GAMES
 from wildscav_evaluator.ratings.matches import RatedMatch
 from wildscav_leaderboard.boards.columns import columns_of
-from wildscav_leaderboard.boards.documents import Entry, LadderBoard, SuiteBoard
+from wildscav_leaderboard.boards.documents import FEWEST_MATCHES, Entry, LadderBoard, SuiteBoard
 from wildscav_leaderboard.boards.ladder_board import Enough, ladder_board
 from wildscav_leaderboard.boards.ladders import Played, placed_match
+from wildscav_leaderboard.boards.matchmaking import REPEATS
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
+from wildscav_leaderboard.web.charts import Scale
 
 TIME = (MetricInfo(name="time", title="time", unit="s", lower_is_better=True),)
 
@@ -52,6 +55,17 @@ def test_a_metric_that_results_of_an_older_version_lack_has_no_column() -> None:
     both, alone = (board_of_suite(*found, metrics=(*TIME, spl)) for found in ((old, new), (new,)))
     assert [metric.name for metric in both.metrics] == ["time"]
     assert alone.rows[0].metrics["spl"].mean == 0.5
+
+
+def test_a_row_says_by_which_interface_its_submission_plays_unless_by_numbers() -> None:
+    by_words = results(1, "owls", times(11.0))
+    by_words = replace(by_words, entry=replace(by_words.entry, interface="words"))
+    board = board_of_suite(by_words, results(2, "foxes", times(10.0)))
+
+    assert [row.agent for row in board.rows] == ["agent2 1", "agent1 1 (words)"]
+    # Releases before the field read boards without it.
+    assert [row.get("interface") for row in board.model_dump(mode="json")["rows"]] == [None, "words"]
+    assert "interface" not in board.model_dump(mode="json")["rows"][0]
 
 
 def test_who_cannot_be_told_apart_is_tied() -> None:
@@ -116,9 +130,23 @@ def test_before_its_first_match_a_rating_says_nothing() -> None:
         row.team: [f"{one.text(row)} {one.note(row)}".strip() for one in columns_of(board)]
         for row in board.rows
     }
-    assert shown["a"][1].endswith("provisional")
+    assert shown["a"][1] == "2 matches provisional"
     assert shown["a"][2:] == ["1.00", "2", "2 of 100", "0"]  # mean place, wins, matches, faults
     assert shown["c"] == ["", "", "", "0", "0 of 100", "0"]
+
+
+@pytest.mark.parametrize(
+    ("games", "shown"), [(5, "10 matches"), (6, "1,"), (40, "1,")], ids=["few", "enough", "settled"]
+)
+def test_an_interval_is_shown_once_it_says_something(games: int, shown: str) -> None:
+    assert FEWEST_MATCHES == REPEATS * FEWEST_GAMES
+    board = ladder_of(duels(*(["ab", "ba"] * 20)[:games]), "ab")
+    interval = columns_of(board)[1]
+
+    for row in board.rows:
+        assert interval.text(row).startswith(shown)
+        assert (Scale.of(board).bar(row) is None) == (shown == "10 matches")
+        assert -1000 < row.low < row.high < 4000  # the document has them in any case
 
 
 def test_who_won_its_few_matches_is_provisional_and_does_not_lead() -> None:

@@ -64,6 +64,9 @@ def test_the_seasons_refusals_are_told_in_one_line(competitor: Competitor) -> No
     write_agent(competitor.folder, "royal", tracks='["royale"]')
     none = competitor.refused("submit", "royal")
     assert "plays royale, and the season has only navigation, battle" in none
+    with (write_agent(competitor.folder, "asker") / "submission.toml").open("a") as manifest:
+        manifest.write("model = true\n")
+    assert "asks a language model, and the season offers none" in competitor.refused("submit", "asker")
     long = competitor.refused("submit", "royal", "-m", "x" * 2000)
     assert "message: String should have at most 1000 characters" in long
 

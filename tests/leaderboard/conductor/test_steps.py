@@ -16,8 +16,7 @@ from wildscav_leaderboard.conductor.plans import plan_suites
 from wildscav_leaderboard.matches.models import LADDER, Match, MatchResult, MatchSeat
 from wildscav_leaderboard.organizing import acts
 from wildscav_leaderboard.organizing.status import status
-from wildscav_leaderboard.seasons.acts import Act
-from wildscav_leaderboard.seasons.refusals import NotFoundError, RefusalError
+from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import history_of, move
 from wildscav_server.time_limits import Clock
@@ -229,52 +228,12 @@ def test_a_match_that_the_platform_breaks_is_given_up_in_the_end(season: Conduct
     assert not season.played(attempt)  # a result that comes later counts for nobody
 
 
-def test_matches_of_whoever_left_are_given_up(season: Conducted) -> None:
-    number = season.active()
-    ((attempt, match),) = season.take_matches(1)
-    season.act(acts.disqualify_submission, number, reason="cheats")
-    assert season.match(2).detail == f"withdrawn: submission {number} no longer takes part"
-    assert season.broke(attempt.id)
-    assert season.match(match.id).state == "waiting"
-    assert season.take_matches(5) == []
-    assert season.match(match.id).detail == "withdrawn: a submission of it no longer takes part"
-
-
-def test_a_disqualified_team_takes_part_in_nothing(season: Conducted) -> None:
-    active, building, waiting = season.active(), season.hand_in(), season.hand_in()
-    attempt = season.taken()
-    season.act(acts.disqualify_team, "foxes", reason="cheats")
-    assert season.built(attempt.id) is None
-    assert season.take() is None
-    seen = [season.submission(number) for number in (active, building, waiting)]
-    assert [one.state for one in seen] == ["disabled", "cancelled", "cancelled"]
-    assert {one.reason for one in seen} == {"the team is disqualified: cheats"}
-
-
 def test_what_failed_is_not_run_again_for_a_disqualified_team(season: Conducted) -> None:
     number = season.hand_in()
     given_up_by_losses(season)
     season.act(acts.disqualify_team, "foxes", reason="cheats")
     with pytest.raises(RefusalError, match="the team foxes is disqualified: cheats"):
         season.act(acts.rerun, number)
-
-
-def test_a_newer_submission_replaces_the_oldest_one_and_an_older_one_nobody(season: Conducted) -> None:
-    oldest = season.hand_in()
-    attempt = season.taken()
-    newer = [season.active(), season.active()]
-    season.passed(attempt)
-    one = season.submission(oldest)
-    assert (one.state, one.reason) == ("disabled", "newer submissions of the team take part already")
-    assert [season.submission(number).state for number in newer] == ["active", "active"]
-    season.wait(24 * 3600.0)  # until the team may submit again
-    season.take_over()
-    newest = season.active()
-    one = season.submission(newer[0])
-    assert (one.state, one.reason) == ("disabled", f"replaced by submission {newest}")
-    assert season.match(1).state == "void"
-    with season.database.reading() as session:
-        assert session.scalars(select(Match).filter_by(group_id=oldest)).all() == []
 
 
 def test_a_paused_season_begins_nothing_and_loses_nothing(season: Conducted) -> None:
@@ -300,114 +259,6 @@ def test_what_was_taken_before_a_pause_and_has_not_begun_waits_again_at_no_cost(
     assert season.match(match.id).platform_faults == 0
     with season.database.reading() as session:
         assert session.get_one(Attempt, taken.id).outcome == attempts.RETURNED
-
-
-def test_whoever_was_disqualified_by_mistake_goes_on_where_it_was(season: Conducted) -> None:
-    number = season.active()
-    ((attempt, played), *_) = season.take_matches(1)
-    assert season.played(attempt, 5.0)
-
-    def act(one: Act, *what: object) -> None:
-        season.act(one, *what, reason="a mistake")
-
-    for take_off, bring_back, what in (
-        (acts.disqualify_submission, acts.requalify_submission, number),
-        (acts.disqualify_team, acts.requalify_team, "foxes"),
-    ):
-        act(take_off, what)
-        assert (season.submission(number).state, season.match(2).state) == ("disabled", "void")
-        if what == "foxes":
-            with pytest.raises(RefusalError, match="`wildscav season requalify` takes that back"):
-                act(acts.reactivate, number)
-        act(bring_back, what)
-        assert [season.match(one).state for one in (played.id, 2)] == ["finished", "waiting"]
-        assert season.submission(number).state == "active"
-        with pytest.raises(RefusalError, match="not disqualified"):
-            act(bring_back, what)
-
-
-def test_a_replaced_submission_takes_part_again_where_there_is_room(season: Conducted) -> None:
-    oldest, second, third = (season.active() for _ in range(3))
-
-    def reactivate() -> None:
-        season.act(acts.reactivate, oldest, reason="asked for")
-
-    with pytest.raises(RefusalError, match=f"and {second}, {third} do: disable one"):
-        reactivate()
-    season.act(acts.disqualify_submission, second, reason="it cheats")
-    reactivate()
-    assert season.submission(oldest).state == "active"
-    assert season.match(1).state == "waiting"
-
-
-BOTH = ("navigation", "battle")
-
-
-def test_the_cap_counts_for_each_track_and_a_submission_leaves_only_the_track_where_it_is_too_many(
-    season: Conducted,
-) -> None:
-    both, second = season.active(tracks=BOTH), season.active(tracks=("battle",))
-    season.plan()
-    third = season.active(tracks=("battle",))
-    one = season.submission(both)
-    assert (one.state, one.playing) == ("active", ["navigation"])
-    assert [season.submission(number).playing for number in (second, third)] == [["battle"], ["battle"]]
-    with season.database.reading() as session:
-        seats = select(Match.track, Match.state).join(MatchSeat, MatchSeat.match_id == Match.id)
-        found = session.execute(seats.where(MatchSeat.submission_id == both).distinct()).all()
-    assert set(found) == {("navigation", "waiting"), ("battle", "void")}
-    with pytest.raises(RefusalError, match=f"on battle, and {second}, {third} do: disable one"):
-        season.decide("restore", both)
-    season.decide("disable", second)
-    season.decide("restore", both)
-    assert season.submission(both).playing == list(BOTH)
-
-
-def test_a_team_disables_and_restores_its_submissions_and_keeps_their_results(season: Conducted) -> None:
-    number = season.active()
-    ((attempt, played), *_) = season.take_matches(1)
-    assert season.played(attempt, 5.0)
-    with pytest.raises(RefusalError, match=f"`wildscav team submissions disable {number}` ends that"):
-        season.decide("cancel", number)
-    with pytest.raises(NotFoundError, match="your team has no submission"):
-        season.decide("disable", number, team="owls")
-    season.decide("disable", number)
-    one = season.submission(number)
-    assert (one.state, one.reason, season.match(2).state) == ("disabled", "disabled by its team", "void")
-    season.decide("restore", number)
-    assert season.submission(number).state == "active"
-    assert [season.match(one).state for one in (played.id, 2)] == ["finished", "waiting"]
-    season.act(acts.disqualify_submission, number, reason="cheats")
-    with pytest.raises(RefusalError, match="only the organizers can take that back"):
-        season.decide("restore", number)
-
-
-def test_what_is_kept_is_not_replaced_unless_a_submission_names_it(season: Conducted) -> None:
-    first, second = season.active(), season.active()
-    season.decide("keep", first)
-    third = season.active()
-    assert [season.submission(one).state for one in (first, second, third)] == [
-        "active",
-        "disabled",
-        "active",
-    ]
-    season.wait(24 * 3600)  # or the quota of the day would be used up
-    season.decide("keep", third)
-    with pytest.raises(
-        RefusalError, match=f"{first}, {third} do, all of them kept: `wildscav team submissions rel"
-    ):
-        season.hand_in()
-    season.decide("release", third)
-    with pytest.raises(RefusalError, match="is active and not kept"):
-        season.decide("release", third)
-    with pytest.raises(RefusalError, match=f"no submission {second} that takes part on navigation"):
-        season.hand_in(replaces=second)
-    fourth = season.active(replaces=first)
-    assert [season.submission(one).state for one in (first, third, fourth)] == [
-        "disabled",
-        "active",
-        "active",
-    ]
 
 
 def test_a_conductor_with_an_old_epoch_can_do_nothing(season: Conducted) -> None:

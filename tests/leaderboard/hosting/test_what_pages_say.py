@@ -8,9 +8,12 @@ from html import unescape
 from pathlib import Path
 
 import pytest
+from sqlalchemy import update
 from tests.leaderboard.filled_season import COOKIE, HOSTILE
 from tests.leaderboard.hosting.clients import Site
 
+from wildscav_leaderboard.matches.models import SUITE, Match
+from wildscav_leaderboard.visibility import is_anything_shown
 from wildscav_stage import viewer_files
 from wildscav_stage.scene.map_file import MAP_VERSION
 
@@ -182,6 +185,17 @@ def test_the_seasons_page_shows_the_latest_match_that_everyone_may_watch(site: P
     assert re.findall(r'<img src="(/api[^"]*)"', page) == [path]
     assert re.findall(r'og:image" content="([^"]*)"', page) == [f"http://127.0.0.1:8000{path}"]
     assert f'<a href="/matches/{numbers[0]}">' in page
+
+
+def test_matches_are_offered_where_one_may_be_watched(site: Pages) -> None:
+    assert "Watch matches" in site.text("/")
+
+    with site.filled.database.writing() as session:
+        session.execute(update(Match).values(kind=SUITE))
+        is_offered = is_anything_shown(session)
+        session.rollback()
+
+    assert not is_offered  # of a suite, nobody may see any before the season's end
 
 
 @contextmanager

@@ -15,7 +15,9 @@ from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.accounts.service import find_account
 from wildscav_leaderboard.api.accounts import quota_view
 from wildscav_leaderboard.api.submissions import submission_view
+from wildscav_leaderboard.boards.documents import Entry
 from wildscav_leaderboard.database.connection import Database
+from wildscav_leaderboard.publishing.documents import PublishedSubmission
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import RefusalError, TooMuchError
 from wildscav_leaderboard.seasons.state import NODES, write_state
@@ -67,6 +69,15 @@ def step(desk: Desk, submission: Submission, *following: str, fault: str | None 
         found = session.get_one(Submission, submission.id)
         for state in following:
             move(session, found, state, NOON, fault=fault if state == states.FAILED else None)
+
+
+def test_by_which_interface_a_submission_plays_is_kept_for_boards_and_audits(desk: Desk) -> None:
+    with (desk.agents[1] / "submission.toml").open("a") as manifest:
+        manifest.write('interface = "words"\n')
+    found = [desk.enter(agent) for agent in (0, 1)]
+    assert [Entry.of(one, "foxes", "Foxes").interface for one in found] == [None, "words"]
+    published = [PublishedSubmission.about(one, team="foxes", team_title="Foxes") for one in found]
+    assert [one.model_dump().get("interface") for one in published] == [None, "words"]
 
 
 def test_the_day_ends_at_midnight_utc(desk: Desk) -> None:

@@ -62,7 +62,7 @@ def check(
             track: chosen.limits.get(track, DEFAULT_LIMITS) for track in suite_tracks(loaded, [], chosen)
         }
         trials = {track: Trial.of(chosen, track, limits[track], seed=0) for track in limits}
-    asked = chosen_model(model)
+    asked = chosen_model(model, loaded)
     if asked is not None:
         trials = {track: trial.asking(asked, paused=season is None) for track, trial in trials.items()}
     name, (runs,) = chosen_sandbox(sandbox, loaded)

@@ -42,7 +42,14 @@ def play(
     replay: Annotated[
         Path | None, typer.Option(help="Render the match as a Rerun recording to this file (.rrd).")
     ] = None,
-    logs: Annotated[Path, typer.Option(help="Folder for the agents' output.")] = Path("out/play"),
+    logs: Annotated[
+        Path | None,
+        typer.Option(
+            help="Folder for the agents' output; what it has of an earlier match is replaced. Default: a new "
+            "numbered folder in out/play.",
+            show_default=False,
+        ),
+    ] = None,
     sandbox: InSandbox = None,
     model: ModelOption = None,
     as_json: AsJson = False,
@@ -54,8 +61,9 @@ def play(
     """
     from wildscav_evaluator.cli.options.selection import check_plays, load_submissions, tracks_played
     from wildscav_evaluator.cli.sessions.play import make_spec, run_match
+    from wildscav_evaluator.output.numbered_folders import PLAYED
 
-    check_folder("--logs", logs)
+    check_folder("--logs", logs or PLAYED)
     loaded = load_submissions(submissions)
     chosen = tracks_played(loaded, [track] if track else list(loaded[0].manifest.tracks[:1]))[0]
     for submission in loaded:
@@ -71,7 +79,7 @@ def play(
         rules=rules,
         clock="bank" if model is None else "paused",  # models take longer than a bank lasts
     )
-    asked = chosen_model(model)
+    asked = chosen_model(model, loaded)
     runs_in, loaded = chosen_sandbox(sandbox, loaded)
     files = (record, replay, logs)
     try:

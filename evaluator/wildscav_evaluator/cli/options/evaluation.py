@@ -189,7 +189,7 @@ class PlayOptions:
 
         check_interface(submissions, self.interface)
         seed, out = suite_seed(self.seed, self.secret), self.out or parent
-        key, model = signing_key(self.sign, out, submissions), chosen_model(self.model)
+        key, model = signing_key(self.sign, out, submissions), chosen_model(self.model, submissions)
         with executor_of(self.executor, self.address, self.workers) as machines:
             sandbox, submissions = chosen_sandbox(self.sandbox, submissions, machines)
             if key is not None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wildscav.cli.shared_options import named_in
+from wildscav.errors import UserError
 
 if TYPE_CHECKING:
     from wildscav_evaluator.executors import Executor
@@ -83,9 +84,16 @@ ModelOption = Annotated[
 ]
 
 
-def chosen_model(file: Path | None) -> "ModelSettings | None":
-    """Return the settings of the model that agents may ask; UserError if they are not valid."""
+def chosen_model(file: Path | None, submissions: "Sequence[Submission]") -> "ModelSettings | None":
+    """Return the settings of the model that agents may ask.
+
+    UserError if they are not valid, or there are none and a submission plays only with a model.
+    """
     if file is None:
+        for one in submissions:
+            if one.manifest.model:
+                need = "asks a language model: add --model FILE, which names its server"
+                raise UserError(f"submission {one.name!r} {need}", exit_code=2)
         return None
     from wildscav_evaluator.model_gateway.settings import read_model
 

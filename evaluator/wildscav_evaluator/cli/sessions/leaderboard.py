@@ -1,6 +1,6 @@
 """What ``wildscav leaderboard`` shows of the results in folders."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from rich.table import Table
@@ -72,7 +72,10 @@ def _show(one: Standings) -> None:
     kept = {} if conditions.limits == KeptLimits() else {conditions.track: conditions.limits}
     console.print(evaluations_table(one))
     _say_conditions(conditions, kept)
-    console.print(f"signed: {_signed(one) or 'none'}\n")
+    days = (f"on {row.started[: len('2030-01-01')]}" for row in one.rows)
+    console.print(f"started: {_grouped(one, days)}")
+    keys = (None if row.key is None else f"with the key {row.key}" for row in one.rows)
+    console.print(f"signed: {_grouped(one, keys) or 'none'}\n")
 
 
 def _show_tournament(one: Tournament) -> None:
@@ -99,11 +102,9 @@ def evaluations_table(one: Standings) -> Table:
     title = f"{shared.track} · suite {shared.suite} · seed {shared.seed}{_rounds(shared.rounds)}"
     table = result_tables.ranking_table(f"{title}{of_clock(shared.clock)}")
     result_tables.add_metrics(table, one.rows[0].evaluation.metrics)
-    result_tables.add_columns(table, "matches\nfailed", "date")
+    result_tables.add_columns(table, "matches\nfailed")
     for row in one.rows:
-        table.add_row(
-            *result_tables.evaluation_cells(row.rank, row.evaluation), row.started[: len("2030-01-01")]
-        )
+        table.add_row(*result_tables.evaluation_cells(row.rank, row.evaluation))
     return table
 
 
@@ -111,15 +112,15 @@ def _rounds(rounds: int) -> str:
     return "" if rounds == 1 else f" · {rounds} rounds"
 
 
-def _signed(one: Standings) -> str:
-    """Return in one line whose ledgers are signed, and with which key."""
-    by_key: dict[str, list[str]] = {}
-    for row in one.rows:
-        if row.key is not None:
-            by_key.setdefault(row.key, []).append(row.evaluation.submission)
+def _grouped(one: Standings, texts: Iterable[str | None]) -> str:
+    """Return in one line what each row has, such as its date, with the names of those that have the same."""
+    having: dict[str, list[str]] = {}
+    for row, text in zip(one.rows, texts, strict=True):
+        if text is not None:
+            having.setdefault(text, []).append(row.evaluation.submission)
     return "; ".join(
-        f"{'all' if len(names) == len(one.rows) else ', '.join(names)} with the key {key}"
-        for key, names in by_key.items()
+        f"{'all' if len(names) == len(one.rows) else ', '.join(names)} {text}"
+        for text, names in having.items()
     )
 
 

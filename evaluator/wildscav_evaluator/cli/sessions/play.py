@@ -40,6 +40,7 @@ from wildscav_evaluator.matches.play import (
     remove_empty_logs,
 )
 from wildscav_evaluator.model_gateway.settings import ModelSettings
+from wildscav_evaluator.output.numbered_folders import PLAYED, next_folder
 from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.agents.capped_log import is_cut
@@ -102,7 +103,7 @@ def run_match(
     submissions: Sequence[Submission],
     record: Path | None,
     replay: Path | None,
-    logs: Path,
+    logs: Path | None,
     *,
     sandbox: str,
     model: ModelSettings | None = None,
@@ -110,12 +111,14 @@ def run_match(
 ) -> None:
     """Play a match, show how it went, and write the requested files.
 
+    What the agents print goes to ``logs``, a new numbered folder if None.
     UserError if it could not be played or, after everything else was shown and written, if an agent failed or
     a file could not be written. OSError if a log could not be.
     """
     check_output_paths(record, replay)
     if record is not None or replay is not None:
         _check_recordable(spec)
+    logs = logs or next_folder(PLAYED, [submission.name for submission in submissions])
     paths = tuple(logs / f"{seat}-{submission.name}.log" for seat, submission in enumerate(submissions))
     exchanges = None if model is None else logs / EXCHANGES_FILE
     seating = MatchAssignment(spec, tuple(submissions), paths, model=model, exchanges=exchanges)

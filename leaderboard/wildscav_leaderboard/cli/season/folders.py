@@ -106,17 +106,16 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     """Check that a season has all that it needs: settings, secrets, database, and every file unchanged.
 
     With --json: `passed`, `files` (how many were checked), `problems` and `changes` (of the rules, not in
-    force yet), a line each, and `longest` (by track, seconds that agents can make a match last).
+    force yet), a line each, `longest` (by track, seconds that agents can make a match last), and `note` (why the
+    database was not checked; empty if it was).
     """
     from wildscav_evaluator.monitoring.dashboard import duration
     from wildscav_leaderboard.organizing.checking import check_season
 
     with counting("files are checked") as on_progress:
         found = check_season(folder, on_progress)
-    document = {"passed": found.passed, **asdict(found)}
-    note = document.pop("note")
     if as_json:
-        print_json(document)
+        print_json({"passed": found.passed, **asdict(found)})
     for problem in found.problems:
         error_console.print(problem)
     if not found.passed:
@@ -127,5 +126,5 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     if not as_json:
         for track, seconds in found.longest.items():
             console.print(f"{track}: a match lasts at most {duration(seconds)} by its agents' time limits")
-        rest = f"; {note}" if note else f", database and {counted(found.files, 'file')}"
+        rest = f"; {found.note}" if found.note else f", database and {counted(found.files, 'file')}"
         console.print(f"nothing is wrong: settings, secrets{rest}")

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests.evaluator.sample_agents import WALKER, Command, Submit
+from tests.evaluator.sample_agents import TALKER, WALKER, Command, Submit
 
 from wildscav_engine.record import read_record
 
@@ -29,6 +29,21 @@ def test_a_match_leaves_what_was_asked_for_and_no_more(
     assert done.returncode == 0, done.stderr
     assert read_record(here / "a" / "match.wsr").names == ("walker",)
     assert sorted(path.name for path in here.iterdir()) == ["a", "b"]
+
+
+def test_what_agents_print_replaces_nothing_that_an_earlier_match_left(
+    wildscav: Command, submit: Submit, tmp_path: Path
+) -> None:
+    earlier = [tmp_path / "out" / "play" / name for name in ("0-talker.log", "0003-talker/0-talker.log")]
+    for log in earlier:
+        log.parent.mkdir(parents=True, exist_ok=True)
+        log.write_text("earlier")
+
+    done = wildscav("play", submit("talker", TALKER).folder, *SHORT, cwd=tmp_path)
+
+    assert "the agents' output is in out/play/0004-talker" in done.stdout, done.stderr
+    assert (tmp_path / "out/play/0004-talker/0-talker.log").read_text().startswith("step 0")
+    assert [log.read_text() for log in earlier] == ["earlier", "earlier"]
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,8 @@ from tests.platform.helpers.raw_http2 import GREETING, SETTINGS, frame
 
 from wildscav_server.endpoints.tls import Certificate
 from wildscav_server.http2.accounting import TimeShare
-from wildscav_server.http2.connection import Encryption, Listener
+from wildscav_server.http2.connection import Listener
+from wildscav_server.http2.encryption import Encryption
 
 PREFACE = GREETING + frame(SETTINGS, 0, 0)
 UNKNOWN_FRAME = bytes([0, 0x40, 0, 0xFF, 0, 0, 0, 0, 0])  # 16,384 bytes of a kind that nobody knows

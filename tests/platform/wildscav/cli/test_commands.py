@@ -18,6 +18,7 @@ from wildscav.cli import main
 from wildscav.cli.init import submission_name
 from wildscav.proto.match_pb2 import GetMatchRequest, GetMatchResponse, HostMatchRequest
 from wildscav.proto.match_pb2_grpc import ArenaStub
+from wildscav.version import __version__
 from wildscav.wire.errors import reason_of
 from wildscav_engine.record import read_record, write_record
 from wildscav_engine.record.format import save
@@ -42,7 +43,7 @@ def test_help_names_every_command_and_imports_nothing_heavy() -> None:
 
 
 def test_the_version() -> None:
-    assert wildscav("--version").stdout == "wildscav 0.1.0\n"
+    assert wildscav("--version").stdout == f"wildscav {__version__}\n"
 
 
 @pytest.mark.parametrize(
