@@ -106,8 +106,8 @@ def check(folder: SeasonFolder, as_json: AsJson = False) -> None:
     """Check that a season has all that it needs: settings, secrets, database, and every file unchanged.
 
     With --json: `passed`, `files` (how many were checked), `problems` and `changes` (of the rules, not in
-    force yet), a line each, `longest` (by track, seconds that agents can make a match last), and `note` (why the
-    database was not checked; empty if it was).
+    force yet), a line each, `longest` (by track, seconds that agents can make a match last), and `note`
+    (why the database was not checked; empty if it was).
     """
     from wildscav_evaluator.monitoring.dashboard import duration
     from wildscav_leaderboard.organizing.checking import check_season
