@@ -13,7 +13,6 @@ from wildscav_evaluator.bounds import FEWEST_ENTRANTS, MAX_ENTRANTS, MAX_MATCHES
 from wildscav_evaluator.cli.commands.tournament import tournament
 from wildscav_evaluator.cli.options.tournament import USUAL_SEATS, USUAL_TEAM
 from wildscav_evaluator.cli.result_tables import MAX_OPPONENTS
-from wildscav_evaluator.output.json_files import FileModel, WithOptionalFields
 from wildscav_evaluator.output.layout import STANDINGS_PICTURE, TOURNAMENT_FILE
 from wildscav_evaluator.ratings import standings
 from wildscav_evaluator.ratings.bands import FEWEST_GAMES
@@ -21,9 +20,7 @@ from wildscav_evaluator.ratings.fit import RESAMPLES
 from wildscav_evaluator.ratings.picture import MAX_SHOWN
 from wildscav_evaluator.suites.suite import SUITES
 from wildscav_evaluator.suites.suite_file import read_suite
-from wildscav_evaluator.tournaments import tournament_file
 from wildscav_evaluator.tournaments.schedule import make_schedule
-from wildscav_evaluator.tournaments.tournament_file import Tournament
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "tournaments.md"
@@ -60,20 +57,6 @@ def test_the_numbers_of_the_text_are_those_of_the_code() -> None:
 def test_the_tournament_of_the_picture_has_the_matches_told() -> None:
     assert "of ten entrants" in WORDS
     assert len(make_schedule(10, seats=6, rounds=10, seed=0).games) == 100
-
-
-def test_every_field_of_the_file_of_a_tournament_is_told() -> None:
-    table = TEXT[TEXT.index("| in `tournament.json` |") :].split("\n\n")[0]
-    told = set(re.findall(r"`(\w+)`", table))
-    modules = {tournament_file.__name__, standings.__name__}
-    parts = [
-        part
-        for part in (*FileModel.__subclasses__(), *WithOptionalFields.__subclasses__())
-        if part.__module__ in modules
-    ]
-
-    assert {Tournament, standings.Standing} <= set(parts)
-    assert told == {name for part in parts for name in part.model_fields}
 
 
 def test_the_code_of_the_page_prints_what_it_says(tmp_path: Path) -> None:

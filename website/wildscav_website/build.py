@@ -7,7 +7,19 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files, InclusionLevel
 from mkdocs.structure.pages import Page
 
-from wildscav_website import commands, demo_season, environments, home, protocol, python_reference, rest, sdk
+from wildscav_website import (
+    commands,
+    demo_season,
+    environments,
+    home,
+    metrics,
+    output_files,
+    protocol,
+    python_reference,
+    rest,
+    sdk,
+    tools,
+)
 from wildscav_website.links import GENERATED, MOVED, ROOT, SOURCES, links_for_site
 
 ASSETS = Path(__file__).parents[1] / "assets"
@@ -22,9 +34,12 @@ def generated_pages() -> dict[str, Callable[[], str]]:
         **python_reference.pages(),
         "demo-season.md": demo_season.page,
         "reference/commands.md": commands.page,
+        "reference/files.md": output_files.page,
+        "reference/metrics.md": metrics.page,
         "reference/protocol.md": protocol.page,
         "reference/rest.md": rest.page,
         "reference/sdk.md": sdk.page,
+        "reference/tools.md": tools.page,
     }
 
 

@@ -56,12 +56,13 @@ def scraped(season: Season, database: Database, counts: WebCounts) -> dict[tuple
     return {(one.name, *one.labels.values()): one.value for family in families for one in family.samples}
 
 
-def test_the_metrics_have_the_names_that_the_page_tells(season: Season, database: Database) -> None:
-    told = set(re.findall(r"`(wildscav_season_\w+)`", PAGE))
+def test_the_alerts_of_the_page_are_about_metrics_that_there_are(season: Season, database: Database) -> None:
+    told = set(re.findall(r"wildscav_season_\w+", PAGE))
     named = set(
         re.findall(r"^# TYPE (wildscav_season_\w+) ", exposition(season, database, WebCounts()), re.M)
     )
-    assert told == named
+    assert len(told) == 4
+    assert told <= named
 
 
 def test_what_waits_and_what_broke_is_seen(season: Season, database: Database, tmp_path: Path) -> None:
