@@ -28,7 +28,7 @@ PAGE = ROOT / "docs" / "language.md"
 
 
 def test_its_match_is_played(tmp_path: Path) -> None:
-    code, *_ = blocks(PAGE, "python")
+    code = (ROOT / "docs" / "examples" / "words_seat.py").read_text("utf-8")
 
     said = run_code(code, tmp_path)
 
@@ -40,7 +40,7 @@ def test_its_match_is_played(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("interface", ["words", "keys"])
 def test_its_submissions_play(interface: str, tmp_path: Path) -> None:
-    (manifest,), (_, words, keys, _) = blocks(PAGE, "toml"), blocks(PAGE, "python")
+    (manifest,), (words, keys, _) = blocks(PAGE, "toml"), blocks(PAGE, "python")
     (tmp_path / "agent.py").write_text(words if interface == "words" else keys)
     if interface == "keys":
         manifest = (

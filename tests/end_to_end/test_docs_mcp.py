@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("mcp")
 
-from tests.end_to_end.pages import blocks, run_code
+from tests.end_to_end.pages import ROOT, blocks, run_code
 
 from wildscav_engine.record import read_record
 from wildscav_language.mcp_server import hosting, matches, protocol, requests
@@ -46,7 +46,7 @@ def test_the_assistants_config_starts_the_command() -> None:
 
 @pytest.mark.slow
 def test_the_client_of_the_page_reaches_the_target(tmp_path: Path) -> None:
-    code, _ = blocks(PAGE, "python")
+    code = (ROOT / "docs" / "examples" / "mcp_client.py").read_text("utf-8")
     wildscav = str(Path(sys.executable).parent / "wildscav")
 
     said = run_code(code.replace('command="wildscav"', f"command={wildscav!r}"), tmp_path)

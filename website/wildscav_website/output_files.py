@@ -40,7 +40,7 @@ def page() -> str:
 def _files() -> Iterator[str]:
     told: set[str] = set()
     for file, (content, modules) in FILES.items():
-        yield f"## {file}\n"
+        yield f"## {file}\n\n{(modules[-1].__doc__ or '').strip().replace('``', '`')}\n"
         classes = {name: kind for module in modules for name, kind in vars(module).items()}
         schema = content.model_json_schema(mode="serialization")
         parts = {content.__name__: schema, **schema.get("$defs", {})}
