@@ -25,7 +25,7 @@ class Reason(StrEnum):
     DIED = "died"  # calls of the dead last until they come back
     MATCH_OVER = "match_over"  # or the seat has left
     REFUSED = "refused"  # the call could not be understood or played
-    PLAYING = "playing"  # it has not ended: the caller did not wait for its end
+    PLAYING = "playing"  # it has not ended, but the caller did not wait longer; Seat.wait() returns its reply
 
 
 End: TypeAlias = tuple[Reason, str]  # why, and a sentence more, or ""

@@ -4,6 +4,7 @@ import importlib
 import inspect
 import re
 import subprocess
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ import typer
 import wildscav
 import wildscav.policy
 from wildscav.cli.main import app
+from wildscav.harness.settings import ModelSettings
+from wildscav.harness.spending import Ending
 from wildscav.proto import match_pb2
 from wildscav_evaluator.ledger import entries
 from wildscav_evaluator.output import results
@@ -93,6 +96,12 @@ def test_the_reference_of_tools_tells_every_tool_argument_and_reason() -> None:
         arguments = set(tool.input_schema.get("properties", {})) - {"thought", "seat"}
         assert all(f"| `{one}` |" in entries_of[tool.name] for one in arguments), tool.name
     assert all(f"| `{reason}` |" in entries_of["Why a tool ends"] for reason in Reason)
+
+
+def test_the_reference_of_the_sdk_tells_every_ending_and_setting_of_a_model() -> None:
+    page = sdk.page()
+    assert all(f"| `{ending}` |" in page for ending in Ending)
+    assert all(f"| `{field.name}` |" in page for field in fields(ModelSettings))
 
 
 def test_a_comment_becomes_paragraphs_and_what_is_set_in_stays_as_it_is() -> None:
