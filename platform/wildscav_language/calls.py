@@ -16,16 +16,16 @@ class Reason(StrEnum):
     """Why a tool ended."""
 
     DONE = "done"  # it did what it is for
-    ARRIVED = "arrived"
-    STUCK = "stuck"  # no way on was found
+    ARRIVED = "arrived"  # likewise, of a walk
+    STUCK = "stuck"  # the body moved less than 2 m in 4 s, or came no nearer to its goal for 20 s
     HIT = "hit"  # the body was shot
     ENEMY_SEEN = "enemy_seen"  # one that was not in sight before
     BOX_SEEN = "box_seen"  # one that was not known before
     OUT_OF_TIME = "out_of_time"  # the seconds that the call allowed are over
-    DIED = "died"
-    MATCH_OVER = "match_over"
+    DIED = "died"  # calls of the dead last until they come back
+    MATCH_OVER = "match_over"  # or the seat has left
     REFUSED = "refused"  # the call could not be understood or played
-    PLAYING = "playing"  # it has not ended: the caller did not wait for its end
+    PLAYING = "playing"  # it has not ended, but the caller did not wait longer; Seat.wait() returns its reply
 
 
 End: TypeAlias = tuple[Reason, str]  # why, and a sentence more, or ""

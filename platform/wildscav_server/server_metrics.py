@@ -71,13 +71,17 @@ class ServerMetrics(Collector):
         )
 
     def _of_matches(self, open_now: "list[HostedMatch]") -> Iterator[Metric]:
-        yield _counter("matches", "Matches that are over.", self._ended, "track", "how")
-        opened = GaugeMetricFamily("wildscav_server_matches_open", "Matches at present.", labels=("state",))
+        yield _counter(
+            "matches", "Matches that are over, by track and by how they ended.", self._ended, "track", "how"
+        )
+        opened = GaugeMetricFamily(
+            "wildscav_server_matches_open", "Matches that are being joined or played.", labels=("state",)
+        )
         playing = sum(match.playing for match in open_now)
         opened.add_metric(("joining",), len(open_now) - playing)
         opened.add_metric(("playing",), playing)
         yield opened
-        text = "Seats of matches that are over, by outcome."
+        text = "Seats of matches that are over, by outcome and fault."
         yield _counter("seats", text, self._seats, "status", "fault")
 
     def _of_steps(self, open_now: "list[HostedMatch]") -> Iterator[Metric]:

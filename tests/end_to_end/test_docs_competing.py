@@ -1,4 +1,4 @@
-"""What the pages of competitors say is true: the tutorial's commands lead from nothing to the board."""
+"""What the pages of competitors say is true: both tutorials lead from nothing to the final boards."""
 
 import json
 import re
@@ -6,9 +6,10 @@ import shlex
 import subprocess
 import sys
 import time
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from tests.commands import run_command
@@ -18,6 +19,8 @@ from tests.leaderboard.competing.season_site import Competitor, Site, competitor
 from tests.leaderboard.seasons_made import make_season
 from tests.ports import free_ports
 
+from wildscav_leaderboard.seasons.initial_files import make_season_folder
+from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SeasonSettings
 from wildscav_leaderboard.submissions.states import STATES
 
 __all__ = ["competitor"]
@@ -25,10 +28,10 @@ __all__ = ["competitor"]
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "competing.md"
 TUTORIAL = ROOT / "docs" / "tutorial-competitor.md"
+OF_ORGANIZERS = ROOT / "docs" / "tutorial-organizer.md"
 TEXT = PAGE.read_text("utf-8")
 TOLD = json_documents()
 WILDSCAV = str(Path(sys.executable).parent / "wildscav")
-ADDRESS = "https://season.example.org"
 PATIENCE = 1200  # looks at a season that plays
 
 
@@ -106,52 +109,100 @@ def improve(agent: Path) -> None:
     agent.write_text(code.replace("import random\n", f"import random\n{imports}"), "utf-8")
 
 
+def run(folder: Path, *words: str) -> str:
+    """What a command prints."""
+    done = run_command(*words, cwd=folder)
+    assert done.returncode == 0, (words, done.stdout, done.stderr)
+    return done.stdout
+
+
+def until(folder: Path, found: Callable[[Any], Any], *command: str) -> Any:
+    """What is found in the document of a command, once it is there."""
+    for _ in range(PATIENCE):
+        done = run_command(*command, "--json", cwd=folder)
+        if done.returncode == 0 and (seen := found(json.loads(done.stdout))):
+            return seen
+        time.sleep(0.5)
+    raise AssertionError((command, done.stdout, done.stderr))
+
+
+class Person(NamedTuple):
+    """Somebody who competes in the season of the organizers' tutorial."""
+
+    name: str
+    folder: Path
+    url: str
+    invitation: str
+
+    def run(self, *words: str) -> str:
+        own = [re.sub(r"^https?:.*", self.url, word) for word in words]
+        own = [word.replace("invite_KEY", self.invitation) for word in own]
+        # A person would be asked for the name.
+        return run(self.folder, *own, *(["--name", self.name] if own[0] == "login" else []))
+
+
+def compete(person: Person) -> int:
+    """Follow the competitors' tutorial, and return the number of a match of the submission."""
+    match, folder = 0, person.folder
+    for words in commands(TUTORIAL):
+        own = [{"12": "2", "345": str(match)}.get(word, word) for word in words[1:]]
+        if own[0] == "watch":  # until Ctrl-C
+            continue
+        person.run(*own)
+        if own[0] == "evaluate":
+            improve(folder / "my-agent" / "agent.py")
+            assert "since last time" in person.run(*own)
+        elif own[0] == "leaderboard":
+            until(folder, has_team, "leaderboard", "--season", "latest")
+            match = until(folder, seen_match, "team", "matches", "2", "--track", "battle")
+    return match
+
+
 @pytest.mark.slow
-def test_the_way_from_nothing_to_the_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    season = make_season(tmp_path / "season", "matches = 2\nwaiting = 2", current=True)
-    settings = season.folder / "season.toml"
-    settings.write_text(settings.read_text().replace('"open"', '"invited"'))
+def test_the_way_from_an_empty_folder_to_the_final_boards(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The organizers' tutorial with its own submission, and between its steps the competitors' tutorial."""
     port = free_ports()
     url = f"http://127.0.0.1:{port}"
     monkeypatch.setenv("WILDSCAV_CONFIG_DIR", str(tmp_path / "settings"))
     monkeypatch.setenv("WILDSCAV_PASSWORD", "a long password")
-
-    def run(*words: str) -> str:
-        done = run_command(*words, cwd=tmp_path)
-        assert done.returncode == 0, (words, done.stdout, done.stderr)
-        return done.stdout
-
-    def until(found: Callable[[Any], Any], *command: str) -> Any:
-        for _ in range(PATIENCE):
-            done = run_command(*command, "--json", cwd=tmp_path)
-            if done.returncode == 0 and (seen := found(json.loads(done.stdout))):
-                return seen
-            time.sleep(0.5)
-        raise AssertionError((command, done.stdout, done.stderr))
-
-    key = run("season", "invite", str(season.folder)).strip()
-    server = subprocess.Popen([WILDSCAV, "season", "serve", str(season.folder), "--port", str(port)])
+    to_make, to_check, to_open, to_submit, to_announce, to_end, to_audit = map(
+        lines, blocks(OF_ORGANIZERS, "console")
+    )
+    for words in to_make[1:]:  # what the doctor says depends on the machine
+        run(tmp_path, *words[1:])
+    small = make_season(tmp_path / "small", "matches = 2\nwaiting = 2", current=True).folder
+    (tmp_path / "spring" / "tiny.toml").write_text((small / "tiny.toml").read_text())
+    settings = (small / "season.toml").read_text().replace('"open"', '"invited"')
+    (tmp_path / "spring" / "season.toml").write_text(settings)
+    (checking,), (organizer, invite, serve) = to_check, to_open
+    run(tmp_path, *checking[1:])
+    run(tmp_path, *organizer[1:])
+    key = run(tmp_path, *invite[1:]).strip()
+    server = subprocess.Popen([WILDSCAV, *serve[1:], "--port", str(port)], cwd=tmp_path)
     try:
-        until(bool, "leaderboard", "--season", url)
-        match = 0
-        for words in commands(TUTORIAL):
-            own = [word.replace(ADDRESS, url).replace("invite_KEY", key) for word in words[1:]]
-            own = [{"12": "1", "345": str(match)}.get(word, word) for word in own]
-            if own[0] == "watch":  # until Ctrl-C
-                continue
-            run(*own, *(["--name", "ada"] if own[0] == "login" else []))  # a person would be asked for it
-            if own[0] == "evaluate":
-                improve(tmp_path / "my-agent" / "agent.py")
-                assert "since last time" in run(*own)
-            elif own[0] == "leaderboard":
-                until(has_team, "leaderboard", "--season", "latest")
-                match = until(seen_match, "team", "matches", "1", "--track", "battle")
-        run("replay", str(match), "--no-images")
-        run("verify", f"match-{match}.wsr")
+        until(tmp_path, bool, "leaderboard", "--season", url)
+        for words in to_submit:
+            Person("ben", tmp_path, url, key).run(*words[1:])
+        match = compete(Person("ada", tmp_path, url, key))
+        run(tmp_path, "replay", str(match), "--no-images")
+        run(tmp_path, "verify", f"match-{match}.wsr")
+        for words in [*to_announce, *to_end]:
+            run(tmp_path, *words[1:], *(["--yes"] if "--now" in words else []))
     finally:
         server.terminate()
         server.wait(60)
     assert (tmp_path / f"match-{match}.rrd").is_file()
+    (verify,) = to_audit
+    assert "everything that was checked is right" in run(tmp_path, *verify[1:])
+
+
+def test_the_settings_of_the_tutorial_are_settings(tmp_path: Path) -> None:
+    make_season_folder(tmp_path / "spring", None, None, days=30)
+    (changes,) = blocks(OF_ORGANIZERS, "toml")
+    settings = tomllib.loads((tmp_path / "spring" / SETTINGS_FILE).read_text()) | tomllib.loads(changes)
+    assert SeasonSettings.model_validate(settings).execution.sandbox == "bubblewrap"
 
 
 def has_team(document: Any) -> bool:

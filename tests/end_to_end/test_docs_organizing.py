@@ -1,4 +1,4 @@
-"""What the page of organizing says is so: every command runs as it stands, and every setting is one."""
+"""What the pages of organizing say is so: every command runs as it stands, and every setting is one."""
 
 import re
 import tomllib
@@ -6,20 +6,20 @@ from pathlib import Path
 
 import pytest
 import typer
-from prometheus_client import CollectorRegistry
-from tests.leaderboard.seasons_made import make_season
+from tests.end_to_end.pages import blocks
 
 from wildscav.cli import main
 from wildscav_evaluator.model_gateway.settings import ModelSettings
-from wildscav_leaderboard.hosting.metrics import SeasonMetrics
-from wildscav_leaderboard.hosting.request_log import WebCounts
 from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
 from wildscav_leaderboard.seasons.settings import Execution, Play, SeasonSettings, Web
 
 PAGE = Path(__file__).parents[2] / "docs" / "organizing.md"
+TUTORIAL = PAGE.with_name("tutorial-organizer.md")
 TEXT = PAGE.read_text("utf-8")
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", TEXT, re.DOTALL)
 LINES = [line for kind, block in BLOCKS if kind == "console" for line in block.splitlines()]
+*BEGINNING, END, _ = (block.splitlines() for block in blocks(TUTORIAL, "console"))
+OF_THE_TUTORIAL = [line for block in BEGINNING for line in block if line.startswith("wildscav season")]
 INLINE = re.findall(r"`(wildscav season [^`]+)`", TEXT)
 ENDLESS = ("serve", "demo")
 # These need a submission, a team or an account.
@@ -47,14 +47,14 @@ def season_commands() -> set[str]:
     return set(season.list_commands(None))
 
 
-def test_every_command_of_a_season_is_on_the_page() -> None:
-    told = {words(line)[2] for line in (*LINES, *INLINE) if len(words(line)) > 2}
+def test_every_command_of_a_season_is_on_a_page() -> None:
+    told = {words(line)[2] for line in (*OF_THE_TUTORIAL, *LINES, *INLINE, *END) if len(words(line)) > 2}
     assert told == season_commands()
 
 
 def test_the_commands_run_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    for line in LINES:
+    for line in (*OF_THE_TUTORIAL, *LINES, *END):
         name = words(line)[2]
         if name in (*ENDLESS, *OF_SOMEBODY):
             continue
@@ -72,17 +72,3 @@ def test_the_settings_on_the_page_are_settings(block: str) -> None:
         kind = {"web": Web, "execution": Execution, "play": Play, "model": ModelSettings}[section]
         assert kind.model_validate(values)
     assert {"freezes", "closes", "registration"} <= set(SeasonSettings.model_fields)
-
-
-def test_the_metrics_on_the_page_are_those_that_are_served(tmp_path: Path) -> None:
-    season = make_season(tmp_path / "season")
-    database = season.database()
-    database.upgrade()
-    counts = WebCounts()
-    counts.requests.add("GET", "/", 200, 0.1)
-    registry = CollectorRegistry()
-    registry.register(SeasonMetrics(season, database, counts))
-    served = {metric.name for metric in registry.collect()}
-    database.close()
-    told = set(re.findall(r"`(wildscav_season_\w+)`", TEXT))
-    assert {name.removesuffix("_total") for name in told} == served

@@ -1,6 +1,5 @@
 """What the page of the shared server says is true: its commands and its code run as they stand."""
 
-import re
 import shutil
 import ssl
 import subprocess
@@ -9,12 +8,10 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from prometheus_client.core import CounterMetricFamily
 from tests.end_to_end.pages import blocks, run_code, run_line
 from tests.ports import free_ports
 
 from wildscav_server.hosting.precompile import precompile
-from wildscav_server.server_metrics import ServerMetrics
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "serving.md"
@@ -70,13 +67,3 @@ def greet(client: ssl.SSLContext, server: ssl.SSLContext, host: str) -> str | No
             with suppress(ssl.SSLWantReadError):
                 end.do_handshake()
     return ends[0].version()
-
-
-def test_every_metric_of_the_server_is_told() -> None:
-    families = ServerMetrics(list, lambda: 0).collect()
-    names = {
-        f"{family.name}_total" if isinstance(family, CounterMetricFamily) else family.name
-        for family in families
-    }
-
-    assert set(re.findall(r"`(wildscav_server_\w+)`", PAGE.read_text("utf-8"))) == names

@@ -4,6 +4,7 @@ import importlib
 import inspect
 import re
 import subprocess
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,18 @@ import typer
 import wildscav
 import wildscav.policy
 from wildscav.cli.main import app
+from wildscav.harness.settings import ModelSettings
+from wildscav.harness.spending import Ending
 from wildscav.proto import match_pb2
+from wildscav_evaluator.ledger import entries
+from wildscav_evaluator.output import results
+from wildscav_evaluator.output.json_files import FileModel
+from wildscav_evaluator.ratings import standings
+from wildscav_evaluator.tournaments import tournament_file
+from wildscav_language.calls import Reason
+from wildscav_language.mcp_server.protocol import all_tools
 from wildscav_legacy.episode import FIELDS
-from wildscav_website import commands, legacy, modules, protocol, rest, sdk
+from wildscav_website import commands, legacy, metrics, modules, output_files, protocol, rest, sdk, tools
 
 ROOT = Path(__file__).parents[2]
 
@@ -69,6 +79,43 @@ def test_the_reference_of_the_api_tells_every_request_and_every_field_of_its_doc
     for name, schema in api["components"]["schemas"].items():
         assert all(f"| `{field}` |" in entries[name] for field in schema.get("properties", {})), name
     assert "| More than 1 where organizers had it played again. |" in entries["MatchView"]
+
+
+def test_the_reference_of_files_tells_every_field_of_the_results_ratings_and_ledgers() -> None:
+    page = output_files.page()
+    entries_of = dict(entry.split("\n", 1) for entry in re.split(r"\n##+ ", page)[1:])
+    for module in (results, standings, tournament_file, entries):
+        for name, kind in vars(module).items():
+            is_part = inspect.isclass(kind) and issubclass(kind, FileModel)
+            if is_part and kind.__module__ == module.__name__:
+                shown = [one for one, field in kind.model_fields.items() if not field.exclude]
+                assert all(f"| `{field}` |" in entries_of[name] for field in shown), name
+    settings = entries_of["Settings of a model"]
+    assert all(f"| `{field}` |" in settings for field in output_files.ModelSettings.model_fields)
+
+
+def test_the_reference_of_metrics_tells_what_each_means() -> None:
+    rows = re.findall(r"^\| `(wildscav_\w+)` \| (.*) \|$", metrics.page(), re.MULTILINE)
+    told = dict(rows)
+    assert len(told) == len(rows) > 30
+    assert all(told.values())
+    for name in ("steps_total", "node_used", "server_matches_open", "season_requests_total", "season_tables"):
+        assert f"wildscav_{name}" in told
+
+
+def test_the_reference_of_tools_tells_every_tool_argument_and_reason() -> None:
+    page = tools.page()
+    entries_of = dict(entry.split("\n", 1) for entry in re.split(r"\n##+ ", page)[1:])
+    for tool in all_tools():
+        arguments = set(tool.input_schema.get("properties", {})) - {"thought", "seat"}
+        assert all(f"| `{one}` |" in entries_of[tool.name] for one in arguments), tool.name
+    assert all(f"| `{reason}` |" in entries_of["Why a tool ends"] for reason in Reason)
+
+
+def test_the_reference_of_the_sdk_tells_every_ending_and_setting_of_a_model() -> None:
+    page = sdk.page()
+    assert all(f"| `{ending}` |" in page for ending in Ending)
+    assert all(f"| `{field.name}` |" in page for field in fields(ModelSettings))
 
 
 def test_a_comment_becomes_paragraphs_and_what_is_set_in_stays_as_it_is() -> None:

@@ -13,11 +13,14 @@ from wildscav_website import (
     environments,
     home,
     legacy,
+    metrics,
     modules,
+    output_files,
     protocol,
     python_reference,
     rest,
     sdk,
+    tools,
 )
 from wildscav_website.links import GENERATED, MOVED, ROOT, SOURCES, links_for_site
 
@@ -34,9 +37,12 @@ def generated_pages() -> dict[str, Callable[[], str]]:
         "demo-season.md": demo_season.page,
         "reference/commands.md": commands.page,
         "reference/modules.md": modules.page,
+        "reference/files.md": output_files.page,
+        "reference/metrics.md": metrics.page,
         "reference/protocol.md": protocol.page,
         "reference/rest.md": rest.page,
         "reference/sdk.md": sdk.page,
+        "reference/tools.md": tools.page,
     }
 
 

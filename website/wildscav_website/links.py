@@ -14,6 +14,15 @@ GENERATED = {
     "platform/wildscav/agent.py": "reference/sdk.md",
     "platform/wildscav/cli/main.py": "reference/commands.md",
     "website/wildscav_website/modules.py": "reference/modules.md",
+    "platform/wildscav/harness/settings.py": "reference/sdk.md",
+    "platform/wildscav_language/tools/__init__.py": "reference/tools.md",
+    "platform/wildscav_server/server_metrics.py": "reference/metrics.md",
+    "evaluator/wildscav_evaluator/ledger/entries.py": "reference/files.md",
+    "evaluator/wildscav_evaluator/model_gateway/settings.py": "reference/files.md",
+    "evaluator/wildscav_evaluator/monitoring/monitor.py": "reference/metrics.md",
+    "evaluator/wildscav_evaluator/output/results.py": "reference/files.md",
+    "evaluator/wildscav_evaluator/tournaments/tournament_file.py": "reference/files.md",
+    "leaderboard/wildscav_leaderboard/hosting/metrics.py": "reference/metrics.md",
 }
 # Files outside docs/ that are pages of the website.
 MOVED = {

@@ -20,6 +20,7 @@ A request that needs an account has the header `Authorization: Bearer TOKEN` wit
 [token of the account](../competing.md#in-scripts). A request that is refused gets an [ErrorView](#errorview).
 """
 LINKED = re.compile(r"\b[A-Z]\w+")  # the name of a document
+SECONDS = re.compile(r"^s\b")  # the unit, as comments begin with it
 WEBHOOKS = f"""## Webhooks
 
 A team's webhook gets a `POST` with a JSON document when the state of one of its submissions changes: `type`
@@ -52,7 +53,7 @@ def page() -> str:
     lines += [WEBHOOKS, "## Documents\n"]
     models = _models()
     for name, schema in api["components"]["schemas"].items():
-        lines += _document(name, schema, models.get(name))
+        lines += document(name, schema, models.get(name))
     return "\n".join(lines)
 
 
@@ -80,7 +81,7 @@ def _link(name: re.Match[str]) -> str:
     return f"[{name[0]}](#{name[0].lower()})"
 
 
-def _document(name: str, schema: Mapping[str, Any], model: type[BaseModel] | None) -> Iterator[str]:
+def document(name: str, schema: Mapping[str, Any], model: type[BaseModel] | None) -> Iterator[str]:
     """Describe a document: its fields, with what the code says beside them."""
     meanings: dict[str, str] = {}
     for kind in model.__mro__ if model else ():
@@ -98,7 +99,7 @@ def _document(name: str, schema: Mapping[str, Any], model: type[BaseModel] | Non
             (
                 code(field),
                 LINKED.sub(_link, _type(of)),
-                sentence(of.get("description") or meanings.get(field, "")),
+                sentence(of.get("description") or SECONDS.sub("seconds", meanings.get(field, ""))),
             )
             for field, of in fields.items()
         ],
@@ -107,10 +108,12 @@ def _document(name: str, schema: Mapping[str, Any], model: type[BaseModel] | Non
 
 def _type(schema: Mapping[str, Any]) -> str:
     """Return a type in a few words."""
+    if "const" in schema:
+        return str(schema["const"])
     if "$ref" in schema:
         return str(schema["$ref"]).rpartition("/")[2]
-    if "anyOf" in schema:
-        return " or ".join(map(_type, schema["anyOf"]))
+    if choices := schema.get("anyOf", schema.get("oneOf")):
+        return " or ".join(map(_type, choices))
     if schema.get("type") == "array":
         return f"list of {_type(schema.get('items', {}))}"
     return str(schema.get("format") or schema.get("type") or "any")

@@ -10,6 +10,7 @@ import re
 import sys
 import textwrap
 from collections.abc import Iterator
+from enum import Enum
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,7 +36,7 @@ MODULES = {
     "wildscav.words": ("WordsPlayer", "WordsSeat", "Tool", "Reply"),
     "wildscav.harness.player": ("ModelPlayer", "Course"),
     "wildscav.harness.settings": ("ModelSettings", "read_settings"),
-    "wildscav.harness.spending": ("Spending",),
+    "wildscav.harness.spending": ("Spending", "Ending"),
     "wildscav.keyboard": ("KeysPlayer", "KeysSeat", "Frame"),
     "wildscav.policy": (
         "PolicyAgent",
@@ -104,7 +105,7 @@ def page() -> str:
 def fields_of(kind: type) -> list[Field]:
     """Return the public fields that the body of a class annotates, in their order."""
     source = textwrap.dedent(inspect.getsource(kind))
-    comments = comments_of(source)
+    comments = _meanings(source)
     (definition,) = ast.parse(source).body
     assert isinstance(definition, ast.ClassDef)  # noqa: S101 - what a class's source is
     return [
@@ -117,6 +118,31 @@ def fields_of(kind: type) -> list[Field]:
         for node in definition.body
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.target.id[0] != "_"
     ]
+
+
+def values_of(kind: type[Enum]) -> list[tuple[str, str]]:
+    """Return the values of an enumeration with their meanings, as cells of a table."""
+    source = textwrap.dedent(inspect.getsource(kind))
+    comments = _meanings(source)
+    (definition,) = ast.parse(source).body
+    assert isinstance(definition, ast.ClassDef)  # noqa: S101 - what a class's source is
+    return [
+        (code(ast.literal_eval(node.value)), sentence(comments.get(node.lineno, "")))
+        for node in definition.body
+        if isinstance(node, ast.Assign)
+    ]
+
+
+def _meanings(source: str) -> dict[int, str]:
+    """Return the comment beside each line, or else the one in lines of its own above it."""
+    comments, above = comments_of(source), ""
+    for number, line in enumerate(source.splitlines(), 1):
+        if line.lstrip().startswith("#"):
+            above = f"{above} {comments.pop(number, '')}".strip()
+        else:
+            comments.setdefault(number, above)
+            above = ""
+    return comments
 
 
 def _entry(module: str, name: str) -> Iterator[str]:
@@ -132,6 +158,9 @@ def _entry(module: str, name: str) -> Iterator[str]:
 
 def _class(kind: type) -> Iterator[str]:
     yield _text(inspect.getdoc(kind) or "")
+    if issubclass(kind, Enum):
+        yield table(("value", ""), values_of(kind))
+        return
     yield table(
         ("field", "type", "default", ""),
         [

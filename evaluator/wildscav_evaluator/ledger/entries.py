@@ -1,8 +1,9 @@
-"""The entries of a ledger: one line for each event.
+"""The entries of a ledger: one line for each event, each an ``Entry``.
 
-A line is canonical JSON (RFC 8785) with escapes for everything that is not printable ASCII, so that no
-agent's text can control the terminal of a person who views the file. The signature covers the canonical JSON
-itself.
+A line is canonical JSON (RFC 8785) with escapes (a backslash, ``u`` and four digits) for everything that is
+not printable ASCII, so that no agent's text can control the terminal of a person who views the file. The
+signature is Ed25519 (RFC 8032), in hexadecimal digits, of the bytes ``wildscav ledger entry 1``, a line feed,
+and the canonical JSON of the entry without its signature, before the escapes.
 """
 
 import json

@@ -48,7 +48,7 @@ class EvaluationMetrics(Collector):
     def _matches(self, done: tuple[JobResult, ...]) -> Iterator[Metric]:
         matches = CounterMetricFamily(
             "wildscav_matches",
-            "Matches that ended, including those of earlier runs.",
+            "Matches that ended, including those of earlier runs, by track, submission and status.",
             labels=("track", "submission", "status"),
         )
         keys = [(one.job.track, name, row.status) for one in done for name, row in one.rows.items()]
@@ -56,7 +56,9 @@ class EvaluationMetrics(Collector):
             matches.add_metric(key, count)
         yield matches
         faults = CounterMetricFamily(
-            "wildscav_faults", "Matches in which something went wrong, by whose fault.", labels=("fault",)
+            "wildscav_faults",
+            "Matches in which something went wrong, by fault: agent or platform.",
+            labels=("fault",),
         )
         for fault in ("agent", "platform"):
             faults.add_metric((fault,), sum(one.row.fault == fault for one in done))
@@ -91,7 +93,7 @@ def _steps(done: tuple[JobResult, ...]) -> Iterator[Metric]:
     late = CounterMetricFamily("wildscav_late_steps", "Steps without an answer in time.", labels=("track",))
     latency = SummaryMetricFamily(
         "wildscav_step_latency_seconds",
-        "From an observation sent to its answer received, of matches that ended.",
+        "From an observation sent to its answer received, of matches that ended: sum and count.",
         labels=("track", "submission"),
     )
     timed = [(one.job, one.timing) for one in done if one.timing is not None]

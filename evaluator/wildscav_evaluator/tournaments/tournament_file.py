@@ -23,7 +23,7 @@ from wildscav_evaluator.ratings.standings import Standings, rate
 from wildscav_evaluator.tournaments.rated_matches import placing_metric, rated_matches
 
 
-class Entry(WithOptionalFields):
+class RatedEntrant(WithOptionalFields):
     """An entrant of a tournament."""
 
     omitted = ("interface",)
@@ -56,7 +56,7 @@ class Tournament(WithOptionalFields):
     matches: int  # with a result
     failed: int  # without one, by the platform's fault
     score: MetricInfo  # the metric that evaluations of single submissions rank by
-    entrants: tuple[Entry, ...]  # by name
+    entrants: tuple[RatedEntrant, ...]  # by name
     ratings: Standings
 
     @property
@@ -84,7 +84,7 @@ def tournament_of(results: Results) -> Tournament:
         matches=len(rated),
         failed=len(indices) - len(rated),
         score=evaluations[0].metrics[0],
-        entrants=tuple(Entry.about(one, name=one.submission) for one in evaluations),
+        entrants=tuple(RatedEntrant.about(one, name=one.submission) for one in evaluations),
         ratings=rate(rated),
     )
 

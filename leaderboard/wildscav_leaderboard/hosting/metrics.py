@@ -68,18 +68,18 @@ def _of_database(session: Session, now: datetime) -> Iterable[Metric]:
     waiting = select(func.min(Submission.since)).where(
         Submission.state.in_((states.SUBMITTED, states.QUEUED))
     )
-    about = "How long the submission has waited that has waited longest."
+    about = "Age of the oldest submission in the queue, s."
     yield _metric("queue_oldest_seconds", about, {(): _passed(session.scalar(waiting), now)})
     matches = _counted(session, Match.track, Match.state)
     yield _metric("matches", "Matches in each state.", matches, "track", "state")
     ended = _counted(session, Attempt.kind, Attempt.outcome, where=Attempt.outcome.is_not(None))
-    about = "Attempts at work that have ended."
+    about = "Pieces of work that have ended, by kind and outcome; platform and lost are your faults."
     yield _metric("attempts", about, ended, "kind", "outcome", family=CounterMetricFamily)
     due = session.scalar(select(func.min(Delivery.next_at)))
-    about = "How long the message has been due that has been due longest."
+    about = "How long the oldest message to a webhook has been due, s."
     yield _metric("webhooks_overdue_seconds", about, {(): _passed(due, now)})
     restarts = {(thread,): count for thread, count in state.get(season_state.RESTARTS, {}).items()}
-    about = "How often threads of the conductor broke and began again."
+    about = "How often threads of the conductor broke and began again, by thread; the log has the reason."
     yield _metric("restarts", about, restarts, "thread", family=CounterMetricFamily)
 
 

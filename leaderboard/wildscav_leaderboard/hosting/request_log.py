@@ -25,13 +25,13 @@ class RequestCounts:
     def __init__(self) -> None:
         self._requests = Counter(
             "wildscav_season_requests",
-            "Requests that were answered.",
+            "Requests that were answered, by route.",
             ("method", "route", "status"),
             registry=None,
         )
         self._seconds = Histogram(
             "wildscav_season_request_seconds",
-            "Time until the last byte of an answer was sent.",
+            "Time until the last byte of an answer was sent, by route.",
             ("route",),
             buckets=BOUNDS,
             registry=None,

@@ -31,10 +31,15 @@ class TableCounts:
 
     def __init__(self) -> None:
         self._open = Gauge(
-            "wildscav_season_tables", "Tables at which people play against submissions.", registry=None
+            "wildscav_season_tables",
+            "Tables at which people play against submissions in this web process.",
+            registry=None,
         )
         self._ended = Counter(
-            "wildscav_season_tables_ended", "Tables that have ended.", ("outcome",), registry=None
+            "wildscav_season_tables_ended",
+            "Tables that have ended: over, or failed.",
+            ("outcome",),
+            registry=None,
         )
 
     def open(self) -> None:

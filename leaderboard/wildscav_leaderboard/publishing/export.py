@@ -1,4 +1,4 @@
-"""A season as a folder of files, which any web server can serve, and `wildscav audit` reads as it is."""
+"""A season as a folder of files, which any web server can serve, and `wildscav verify` reads as it is."""
 
 import csv
 import hashlib
@@ -82,7 +82,7 @@ TEXT = """# {title}
 
 What is published of the season `{name}` ({opens:%Y-%m-%d} to {closes:%Y-%m-%d}), as files. {state}
 
-`wildscav audit FOLDER` (or the address at which these files are served) checks all of it: it plays the
+`wildscav verify FOLDER` (or the address at which these files are served) checks all of it: it plays the
 records again, and computes every score, interval and rating anew. `sha256sum --check SHA256SUMS` shows
 whether a file was damaged on its way.
 

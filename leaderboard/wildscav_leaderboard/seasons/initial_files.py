@@ -1,4 +1,4 @@
-"""The files of a new season: commented settings, two secrets, and their commitments."""
+"""The files of a new season: commented settings, a template of rules, two secrets, and their commitments."""
 
 import os
 import re
@@ -13,7 +13,9 @@ from wildscav_leaderboard.seasons.names import NAME
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, parse_settings
 
 COMMITMENTS_FILE = "commitments.txt"
+RULES_FILE = "rules.md"
 TEMPLATE = Path(__file__).with_name("season_template.toml")
+RULES_TEMPLATE = Path(__file__).with_name("rules_template.md")
 
 
 def make_season_folder(folder: Path, name: str | None, title: str | None, days: int) -> tuple[str, str]:
@@ -34,8 +36,10 @@ def make_season_folder(folder: Path, name: str | None, title: str | None, days: 
     name = name or re.sub(r"[^a-z0-9-]+", "-", folder.absolute().name.lower()).strip("-")
     if NAME.fullmatch(name) is None:
         raise UserError(f"--name is {name!r}, must be 2 to 40 of a-z, 0-9 and -", exit_code=2)
-    text = settings_text(name, title or name.replace("-", " ").capitalize(), datetime.now(UTC), days)
-    return write_season_folder(folder, {SETTINGS_FILE: text})
+    title = title or name.replace("-", " ").capitalize()
+    rules = RULES_TEMPLATE.read_text("utf-8").replace("{title}", title)
+    settings = settings_text(name, title, datetime.now(UTC), days)
+    return write_season_folder(folder, {SETTINGS_FILE: settings, RULES_FILE: rules})
 
 
 def write_season_folder(folder: Path, texts: Mapping[str, str]) -> tuple[str, str]:

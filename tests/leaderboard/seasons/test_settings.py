@@ -1,5 +1,6 @@
 """A new season's folder is complete and private; errors in its settings name what is wrong and allowed."""
 
+import re
 import subprocess
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -11,8 +12,8 @@ from typer.testing import CliRunner
 from wildscav.errors import UserError
 from wildscav_leaderboard.cli.season.app import app
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
-from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, make_season_folder
-from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SettingsError
+from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, RULES_FILE, make_season_folder
+from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, Quotas, SeasonSettings, SettingsError
 
 
 @pytest.mark.parametrize(
@@ -106,6 +107,14 @@ def test_a_new_season_has_two_private_secrets_whose_commitments_sha256sum_can_ch
         assert (spring.folder / name).stat().st_mode & 0o777 == 0o600
     done = subprocess.run(["sha256sum", "--check", "--strict", COMMITMENTS_FILE], cwd=spring.folder)
     assert done.returncode == 0
+
+
+def test_a_new_season_has_a_template_of_rules_that_names_settings(spring: Season) -> None:
+    rules = (spring.folder / RULES_FILE).read_text("utf-8")
+    assert rules.startswith("# Rules of Spring\n")
+    named = set(re.findall(r"\[`(\w+)`\]", rules))
+    assert {"opens", "freezes", "closes", "per_day", "active", "members"} == named
+    assert named <= SeasonSettings.model_fields.keys() | Quotas.model_fields.keys()
 
 
 def test_the_final_matches_are_others_than_those_of_the_season(spring: Season) -> None:

@@ -42,12 +42,13 @@ def init(
     title: Annotated[str | None, typer.Option(help="Title, as people read it.")] = None,
     days: Annotated[int, typer.Option(help="How long it is open.", min=1, max=3650)] = 30,
 ) -> None:
-    """Make a season's folder: commented settings, and secret seeds with their public commitments."""
+    """Make a season's folder: commented settings, a template of rules, and secret seeds with commitments."""
     from wildscav_leaderboard.seasons.initial_files import make_season_folder
 
     commitment, final = make_season_folder(folder, name, title, days)
     console.print(f"season     {folder}")
     console.print(f"settings   {folder / 'season.toml'}: read and change them before it opens")
+    console.print(f"rules      {folder / 'rules.md'}: fill them in and publish them with the commitments")
     console.print(f"commitment {commitment}")
     console.print(f"final      {final}")
     console.print("           the commitments are to be published, and the secrets kept")

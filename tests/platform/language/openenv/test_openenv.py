@@ -234,7 +234,7 @@ def test_observations_have_a_picture_if_the_reset_asks_for_it(environment: Wilds
 
 
 def test_the_lines_of_the_page_reach_the_target(url: str, tmp_path: Path) -> None:
-    _, code = blocks(ROOT / "docs" / "mcp.md", "python")
+    (code,) = blocks(ROOT / "docs" / "mcp.md", "python")
     said = run_code(code.replace("http://127.0.0.1:8000", url), tmp_path)
     assert said.endswith("The match is over, because of goal.\n")
 

@@ -1,0 +1,54 @@
+"""The reference of metrics for Prometheus: those of evaluations, of match servers, and of seasons."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from prometheus_client import Metric
+
+from wildscav_evaluator.executors import Node
+from wildscav_evaluator.monitoring.monitor import EvaluationMetrics
+from wildscav_evaluator.monitoring.tally import Tally
+from wildscav_leaderboard.hosting.metrics import SeasonMetrics
+from wildscav_leaderboard.hosting.request_log import WebCounts
+from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.initial_files import make_season_folder
+from wildscav_server.server_metrics import ServerMetrics
+from wildscav_website.markdown import code, sentence, table
+
+HEAD = """# Metrics
+
+What `--metrics-port` serves to Prometheus on 127.0.0.1.
+"""
+
+
+def page() -> str:
+    """Return the page."""
+    evaluation = EvaluationMetrics(Tally([], nodes=lambda: (Node("one", cores=1),)))
+    parts = [
+        ("An evaluation", "`wildscav evaluate`, `wildscav tournament`", evaluation.collect()),
+        ("A match server", "`wildscav serve`", ServerMetrics(list, lambda: 0).collect()),
+        ("A season", "`wildscav season serve`", _of_season()),
+    ]
+    return "\n".join([HEAD, *(f"## {title}\n\n{of}.\n\n{_table(found)}" for title, of, found in parts)])
+
+
+def _of_season() -> list[Metric]:
+    """Return the metrics of a season in which nothing has happened."""
+    with TemporaryDirectory() as folder:
+        make_season_folder(Path(folder) / "season", None, None, days=1)
+        season = Season.open(Path(folder) / "season")
+        database = season.database()
+        database.upgrade()
+        counts = WebCounts()
+        counts.requests.add("GET", "/", 200, 0.0)
+        found = list(SeasonMetrics(season, database, counts).collect())
+        database.close()
+    return found
+
+
+def _table(metrics: Iterable[Metric]) -> str:
+    names = [
+        (f"{one.name}_total" if one.type == "counter" else one.name, one.documentation) for one in metrics
+    ]
+    return table(("metric", ""), [(code(name), sentence(text)) for name, text in names])
