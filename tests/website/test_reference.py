@@ -1,5 +1,6 @@
 """The pages of reference tell everything there is."""
 
+import dataclasses
 import importlib
 import inspect
 import re
@@ -7,13 +8,17 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import pytest
 import typer
 
 import wildscav
 import wildscav.policy
 from wildscav.cli.main import app
 from wildscav.proto import match_pb2
-from wildscav_website import commands, protocol, rest, sdk
+from wildscav_engine.sensors import SENSORS
+from wildscav_website import commands, protocol, rest, sdk, sensors
+from wildscav_website.build import examples
+from wildscav_website.sensors import meanings_of, range_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -36,6 +41,38 @@ def test_the_reference_of_commands_tells_every_command_and_option() -> None:
             if parameter.param_type_name == "option" and not parameter.hidden:
                 for option in parameter.opts:
                     assert re.search(rf"[` ]{option}[ ,`]", entries[path]), (path, option)
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_the_page_of_every_sensor_tells_each_option_and_each_number(name: str) -> None:
+    sensor = SENSORS[name]()
+    entries = dict(entry.split("\n", 1) for entry in sensors.page().split("\n## ")[1:])
+    for field in dataclasses.fields(sensor):  # type: ignore[arg-type]
+        default, meaning = repr(getattr(sensor, field.name)), meanings_of(type(sensor))[field.name]
+        assert meaning, f"{name}.{field.name}: write what it means behind it"
+        row = f"| `{field.name}` | `{default}` | {range_of(type(sensor), field.name)} | {meaning} |"
+        assert row in entries[name]
+    for place, column in enumerate(sensor.columns):
+        assert f"| {place} | {column.name} | {column.unit} |" in entries[name]
+
+
+@pytest.mark.parametrize(
+    ("sensor", "option", "allowed"),
+    [
+        ("depth", "width", "1 to 1920"),
+        ("depth", "moving", "True, False"),
+        ("segmentation", "label", '"kind", "instance"'),
+        ("nearby_supplies", "range", "above 0, to 200"),
+    ],
+)
+def test_the_range_of_an_option_is_told_in_words(sensor: str, option: str, allowed: str) -> None:
+    assert range_of(SENSORS[sensor], option) == allowed
+
+
+def test_every_program_of_the_examples_has_a_page_with_its_code() -> None:
+    pages = {path: write() for path, write in examples().items()}
+    assert "class Altimeter(Sensor)" in pages["examples/altimeter.md"]
+    assert "class Summit(Track)" in pages["examples/hills/wildscav_hills/summit.md"]
 
 
 def test_the_reference_of_the_protocol_tells_every_field() -> None:

@@ -7,11 +7,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 DOCS = "docs/"
+EXAMPLES = "docs/examples/"  # whose programs are pages of the website
 SOURCES = "source/"  # the website's folder for other files of the repository that pages link to
 # Files of code from which pages of the website are made.
 GENERATED = {
     "platform/wildscav/proto/match.proto": "reference/protocol.md",
     "platform/wildscav/agent.py": "reference/sdk.md",
+    "engine/wildscav_engine/sensors/__init__.py": "reference/every-sensor.md",
 }
 # Files outside docs/ that are pages of the website.
 MOVED = {
@@ -27,6 +29,11 @@ MOVED = {
     **GENERATED,
 }
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)")
+
+
+def page_of_example(source: str) -> str:
+    """Return where the website shows a program of the examples."""
+    return source.removeprefix(DOCS).removesuffix(".py") + ".md"
 
 
 def links_for_site(markdown: str, page: str, add: Callable[[str], None]) -> str:
@@ -48,7 +55,7 @@ def links_for_site(markdown: str, page: str, add: Callable[[str], None]) -> str:
         if source in MOVED:
             target = MOVED[source]
         elif source.startswith(DOCS):
-            target = source.removeprefix(DOCS)
+            target = page_of_example(source) if source.endswith(".py") else source.removeprefix(DOCS)
         else:
             add(source)
             target = SOURCES + source

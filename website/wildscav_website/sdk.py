@@ -112,11 +112,16 @@ def fields_of(kind: type) -> list[Field]:
             node.target.id,
             ast.unparse(node.annotation),
             _default(node.value),
-            comments.get(node.end_lineno or node.lineno, ""),
+            next((comments[line] for line in _lines_of(node) if line in comments), ""),
         )
         for node in definition.body
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.target.id[0] != "_"
     ]
+
+
+def _lines_of(node: ast.stmt) -> range:
+    """Return the lines of a statement, the last one first."""
+    return range(node.end_lineno or node.lineno, node.lineno - 1, -1)
 
 
 def _entry(module: str, name: str) -> Iterator[str]:
