@@ -16,6 +16,7 @@ import wildscav.policy
 from wildscav.cli.main import app
 from wildscav.proto import match_pb2
 from wildscav_engine.sensors import SENSORS
+from wildscav_engine.specs.map_spec import Country, MapConfig, Placement
 from wildscav_website import commands, protocol, rest, sdk, sensors
 from wildscav_website.build import examples
 from wildscav_website.sensors import meanings_of, range_of
@@ -113,6 +114,11 @@ def test_every_field_has_a_meaning() -> None:
                 assert field.meaning, f"{name}.{field.name}: write what it means behind it"
                 described += 1
     assert described > 60
+
+
+@pytest.mark.parametrize("kind", [MapConfig, Country, Placement])
+def test_every_field_of_a_map_has_a_meaning_beside_it(kind: type) -> None:
+    assert [field.name for field in sdk.fields_of(kind) if not field.meaning] == []
 
 
 def test_make_builds_strictly_and_does_not_silence_the_warnings_that_are_counted() -> None:

@@ -35,7 +35,7 @@ PAGES = {
         "The parts of a match. [The rules](../rules.md) explain the numbers.",
         {
             "wildscav_engine.specs.match_spec": "MatchSpec",
-            "wildscav_engine.specs.map_spec": "MapSpec MapConfig",
+            "wildscav_engine.specs.map_spec": "MapSpec MapConfig Country Placement",
             "wildscav_engine.specs.supply_config": "SupplyConfig SupplyWave",
             "wildscav_engine.specs.zone_config": "ZoneConfig ZonePhase",
             "wildscav_engine.specs.rules": "Rules",
