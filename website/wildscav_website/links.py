@@ -13,6 +13,7 @@ SOURCES = "source/"  # the website's folder for other files of the repository th
 GENERATED = {
     "platform/wildscav/proto/match.proto": "reference/protocol.md",
     "platform/wildscav/agent.py": "reference/sdk.md",
+    "engine/wildscav_engine/envs/settings/config.py": "environments/navigation.md",
     "engine/wildscav_engine/specs/map_spec.py": "reference/matches.md",
     "engine/wildscav_engine/sensors/__init__.py": "reference/every-sensor.md",
 }
