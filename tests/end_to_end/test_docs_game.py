@@ -24,7 +24,6 @@ ROW = re.compile(
 )
 ROWS = {row["rule"]: row for row in ROW.finditer(PAGE)}
 HOLDERS = {
-    "HotSpot": HotSpot(),
     "MatchSpec": MatchSpec(track="battle"),
     "Rules": Rules(),
     "SupplyConfig": SupplyConfig(),
@@ -80,7 +79,13 @@ def test_rules_of_combat_and_supplies_are_all_told(section: str) -> None:
 
 def test_the_text_agrees_with_the_tables() -> None:
     assert SPARE_SLOTS == 4
-    assert "with four more than the waves need for each seat" in PAGE
+    text = " ".join(PAGE.split())
+    assert "with four more than the waves need for each seat" in text
+    spot = HotSpot()
+    boxes = (
+        f"{spot.boxes} boxes of {spot.quantity[0]} to {spot.quantity[1]} supplies and r = {spot.radius:g} m"
+    )
+    assert f"visits {spot.places} places for {spot.interval:g} s each, with {boxes}" in text
 
 
 @pytest.mark.parametrize("name", TRACKS)

@@ -5,7 +5,6 @@ import importlib.util
 import re
 import sys
 import tomllib
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -57,17 +56,9 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", TEXT, re.DOTALL)
 
 
-def test_the_page_tells_every_sensor_with_its_class_shape_and_type() -> None:
-    rows = re.findall(r"^\| `(\w+)` \| `(\w+)` \| [^|]+ \| (\([^|]+\)) \| (\w+) \|$", TEXT, re.MULTILINE)
-    told = {name: (kind, shape, dtype) for name, kind, shape, dtype in rows}
-    assert list(told) == list(SENSORS)
-    for name, (kind, shape, dtype) in told.items():
-        sensor = SENSORS[name]()
-        options = {field.name: getattr(sensor, field.name) for field in fields(sensor)}  # type: ignore[arg-type]
-        lengths = [options.get(part, part) for part in re.findall(r"\w+", shape)]
-        assert kind == type(sensor).__name__
-        assert tuple(int(length) for length in lengths) == sensor.space.shape
-        assert dtype == str(sensor.space.dtype)
+def test_the_page_tells_every_sensor_with_its_class() -> None:
+    rows = re.findall(r"^\| `(\w+)` \| `(\w+)` \| [^|]+ \|$", TEXT, re.MULTILINE)
+    assert rows == [(name, SENSORS[name].__name__) for name in SENSORS]
 
 
 def test_the_page_tells_the_labels_of_segmentation() -> None:

@@ -48,6 +48,10 @@ def test_the_reference_of_commands_tells_every_command_and_option() -> None:
 def test_the_page_of_every_sensor_tells_each_option_and_each_number(name: str) -> None:
     sensor = SENSORS[name]()
     entries = dict(entry.split("\n", 1) for entry in sensors.page().split("\n## ")[1:])
+    reading = (
+        f"`{type(sensor).__name__}` has the shape `{sensor.space.shape}` and the type {sensor.space.dtype}"
+    )
+    assert reading in entries[name]
     for field in dataclasses.fields(sensor):  # type: ignore[arg-type]
         default, meaning = repr(getattr(sensor, field.name)), meanings_of(type(sensor))[field.name]
         assert meaning, f"{name}.{field.name}: write what it means behind it"

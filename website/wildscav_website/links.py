@@ -14,6 +14,9 @@ GENERATED = {
     "platform/wildscav/proto/match.proto": "reference/protocol.md",
     "platform/wildscav/agent.py": "reference/sdk.md",
     "engine/wildscav_engine/envs/settings/config.py": "environments/navigation.md",
+    "engine/wildscav_engine/envs/league/league.py": "reference/environments.md",
+    "engine/wildscav_engine/envs/settings/functions.py": "reference/environments.md",
+    "engine/wildscav_engine/envs/settings/players.py": "reference/environments.md",
     "engine/wildscav_engine/specs/map_spec.py": "reference/matches.md",
     "engine/wildscav_engine/sensors/__init__.py": "reference/every-sensor.md",
 }
