@@ -145,7 +145,7 @@ def test_the_notebook_that_plots_a_match_runs_as_it_stands(
 def test_the_code_and_the_config_of_the_page_of_maps_work(tmp_path: Path) -> None:
     page = ROOT / "docs" / "maps.md"
     code = "\n".join(blocks(page, "python"))
-    assert run_code(code, tmp_path) == "2 60\nTrue True\n"
+    assert run_code(code, tmp_path) == "True True\n"
     (text,) = blocks(page, "toml")
     (tmp_path / "fort.toml").write_text(text, "utf-8")
     config = MapConfig.model_validate(tomllib.loads(text))
