@@ -80,6 +80,9 @@ def test_rules_of_combat_and_supplies_are_all_told(section: str) -> None:
 def test_the_text_agrees_with_the_tables() -> None:
     assert SPARE_SLOTS == 4
     text = " ".join(PAGE.split())
+    rules = Rules()
+    assert rules.spread == rules.recoil == rules.walking_sway == rules.turning_sway == 0
+    assert "By default, all four are 0." in text
     assert "with four more than the waves need for each seat" in text
     spot = HotSpot()
     boxes = (
