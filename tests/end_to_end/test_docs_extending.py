@@ -2,7 +2,7 @@
 
 import json
 import os
-import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "extending.md"
-FILES = re.compile(r"`([\w/.-]+)`:\n\n```\w+\n(.*?)```", re.DOTALL)
+EXAMPLES = ROOT / "docs" / "examples"
 AGENT = """\
 from wildscav import Action, Agent
 
@@ -82,15 +81,6 @@ print("played")
 """
 
 
-def written(folder: Path, page: Path = PAGE) -> None:
-    """Write the files that the page shows."""
-    for name, content in FILES.findall(page.read_text("utf-8")):
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(content)
-    (folder / "hills/wildscav_hills/__init__.py").touch()
-
-
 def install(project: Path, target: Path) -> None:
     """Build a package as its author would, and unpack it as an installer would."""
     build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(project / "dist")]
@@ -117,9 +107,10 @@ def wildscav(target: Path, *arguments: object, **options: object) -> "subprocess
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The page's files, and an agent that wants the page's sensors."""
+    """The packages of the page, and an agent that wants their sensors."""
     folder = tmp_path_factory.mktemp("pages")
-    written(folder)
+    for name in ("hills", "orbit"):
+        shutil.copytree(EXAMPLES / name, folder / name)
     (folder / "climber").mkdir()
     (folder / "climber/agent.py").write_text(AGENT)
     (folder / "climber/submission.toml").write_text(MANIFEST)

@@ -1,15 +1,19 @@
 """Models of Stable-Baselines3 as submissions: they choose as the model itself does in the environment."""
 
-import re
-import subprocess
-import sys
+import json
+import signal
+import time
 from pathlib import Path
 from typing import Any
 
+import httpx
 import numpy as np
 import pytest
+from tests.commands import running
+from tests.end_to_end.pages import blocks, run_line
 from tests.engine.envs.common import OPEN
 from tests.platform.helpers.policy_matches import observed, play_env
+from tests.ports import free_ports
 from typer.testing import CliRunner
 
 from wildscav.cli.main import app
@@ -23,6 +27,8 @@ FLAT: dict[str, Any] = {"flat": True, "sensors": {"depth": {"width": 4, "height"
 SMALL = '--option=sensors={"depth": {"width": 4, "height": 3}}'
 CAMERA: dict[str, Any] = {"sensors": {"camera": {"width": 36, "height": 36}}}
 PICTURES = '--option=sensors={"camera": {"width": 36, "height": 36}}'
+DOCS = Path(__file__).parents[2] / "docs"
+PATIENCE = 600  # looks at a season that plays
 BUFFER = {"learning_starts": 20, "buffer_size": 500}
 
 
@@ -110,27 +116,61 @@ def test_pictures_run_on_onnx_with_a_stack_of_them(tmp_path: Path) -> None:
         stacked, *_ = envs.step(np.array([choice]))
 
 
-def test_the_page_goes_from_training_to_a_score(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its code trains, in small; its commands make a submission, check it, play it and evaluate it."""
+def test_the_page_makes_a_submission_of_the_model_that_its_code_trains(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
-    page = (Path(__file__).parents[2] / "docs" / "training.md").read_text("utf-8")
-    (code,) = re.findall(
-        r"```python\n(import torch\nfrom stable_baselines3 import PPO.*?)```", page, re.DOTALL
-    )[:1]
-    names: dict[str, Any] = {}
-    exec(code.replace("20_000", "1_000").replace("range(25)", "range(1)"), names)  # noqa: S102
-    (commands,) = re.findall(r"```console\n(wildscav init navigator.*?)```", page, re.DOTALL)
-    shorter = {"check": ["--sandbox", "process"], "play": ["--sandbox", "process", "--time-limit", "5"]}
-    shorter["evaluate"] = ["--sandbox", "process", "--suite", "short.toml"]
+    page = DOCS / "training.md"
+    code = blocks(page, "python")[0]
+    assert "20_000" in code
+    exec(code.replace("20_000", "1_000").replace("range(5)", "range(1)"), {})  # noqa: S102
+    (line,) = [line for text in blocks(page, "console") for line in text.splitlines() if " init " in line]
+    run_line(line, tmp_path)
+    run_line("wildscav check navigator --sandbox process", tmp_path)
+
+
+def test_the_tutorial_goes_from_training_to_a_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its commands train, in small, show a match, check, evaluate, and hand in to a season."""
+    monkeypatch.setenv("WILDSCAV_CONFIG_DIR", str(tmp_path / "settings"))
+    monkeypatch.setenv("WILDSCAV_PASSWORD", "a long password")  # a person would be asked for it
+    monkeypatch.setenv("WILDSCAV_SANDBOX", "process")
     match = "[tracks.navigation]\nmaps = 1\nmatch = { time_limit = 5 }\n"
     (tmp_path / "short.toml").write_text(f'name = "short"\nmap = {{ size = 60, houses = 1 }}\n{match}')
-    for line in commands.splitlines():
-        words = line.split()
-        command = [sys.executable, "-m", "wildscav.cli.main", *words[1:], *shorter.get(words[1], [])]
-        done = subprocess.run(command, capture_output=True, text=True)
-        assert done.returncode == 0, (line, done.stdout, done.stderr)
-    assert (tmp_path / "navigator.rrd").stat().st_size > 10_000
-    assert "navigator" in done.stdout
+    port = free_ports()
+    small = {
+        "train": ("--steps", "2048", "--episodes", "4", "--option", "random_maps=2"),
+        "play": ("--time-limit", "5"),
+        "evaluate": ("--suite", "short.toml"),
+        "login": ("--name", "ada"),
+    }
+    lines = [line for text in blocks(DOCS / "tutorial-policy.md", "console") for line in text.splitlines()]
+    demo = lines.index("wildscav season demo")
+    for line in lines[:demo]:
+        name = line.split()[1]
+        if name != "watch":
+            run_line(line, tmp_path, *small.get(name, ()))
+            continue
+        record = tmp_path / line.split()[2]
+        with running("watch", record, "--no-browser", until=r"(http://\S+)") as (link, _):
+            assert "data-match" in httpx.get(link, trust_env=False).text
+
+    season = ("season", "demo", "--no-browser", "--matches", "0", "--port", port, "--sandbox", "process")
+    with running(*season, "--folder", tmp_path / "season", until=r"(http://\S+)") as (address, process):
+        for line in lines[demo + 1 :]:
+            said = run_line(
+                line.replace("http://127.0.0.1:8000", address), tmp_path, *small.get(line.split()[1], ())
+            )
+        assert "navigation" in said
+        for _ in range(PATIENCE):
+            boards = json.loads(run_line(f"{lines[-1]} --json", tmp_path))["boards"]
+            rows = [row for board in boards if board["track"] == "navigation" for row in board["rows"]]
+            if any(row["name"] == "runner" and row["rank"] for row in rows):
+                break
+            time.sleep(0.5)
+        else:
+            raise AssertionError(rows)
+        process.send_signal(signal.SIGINT)
+        process.wait(60)
 
 
 def test_a_file_that_is_no_model_is_refused(tmp_path: Path) -> None:

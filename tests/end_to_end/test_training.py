@@ -1,4 +1,4 @@
-"""The trainers of ``docs/training.md`` take the environments as they are: its code trains, in small."""
+"""The trainers of ``docs/training.md`` take the environments as they are: its programs train, in small."""
 
 import copy
 import json
@@ -28,7 +28,7 @@ NAVIGATION = "wildscav_engine.envs:WildScav/Navigation-v1"
 TINY = MapSpec(config=MapConfig(size=40, relief=0, water=0, houses=0, vegetation=0), seed=1)
 SHORT = {"map": TINY, "time_limit": 4.0}
 MODES = ("box", "baseline", "multidiscrete")
-# The page trains on real maps for an hour; here it is some hundred steps on a lawn.
+# The programs train on real maps for an hour; here it is some hundred steps on a lawn.
 IN_SMALL = {
     '"level": "easy"': '"map": TINY, "time_limit": 2.0',
     'save("seeing")': "get_parameters()",
@@ -56,9 +56,9 @@ def one_thread() -> None:
     torch.set_num_threads(1)
 
 
-def block(an_import: str, place: int = 0) -> tuple[str, str]:
-    """Return code of the page by one of its imports, in small: up to the line that trains, and the rest."""
-    (code,) = [text for text in BLOCKS if an_import in text][place : place + 1]
+def program(name: str) -> tuple[str, str]:
+    """Return an example, or the code of the page, in small: up to the line that trains, and the rest."""
+    code = BLOCKS[0] if name == "page" else (EXAMPLES / f"{name}.py").read_text("utf-8")
     for long, short in IN_SMALL.items():
         code = code.replace(long, short)
     training = re.search(r"^(for |model\.learn)", code, re.MULTILINE)
@@ -89,10 +89,10 @@ def test_what_the_page_says_of_going_on_are_options() -> None:
         SingleEnv("battle" if line.startswith("opponents") else "navigation", **eval(f"dict({line})"))  # noqa: S307
 
 
-@pytest.mark.parametrize("place", [0, 1], ids=["rows", "pictures"])
-def test_stable_baselines_trains_as_the_page_says(place: int) -> None:
+@pytest.mark.parametrize("name", ["page", "pictures_ppo"])
+def test_stable_baselines_trains_as_the_page_says(name: str) -> None:
     pytest.importorskip("stable_baselines3")
-    start, train = block("from stable_baselines3", place)
+    start, train = program(name)
     names = run(start, {"TINY": TINY})
     model = names["model"]
     before = weights_of(model.policy)
@@ -216,8 +216,8 @@ def ray() -> Iterator[Any]:
 
 
 def test_rllib_trains_as_the_page_says(ray: Any) -> None:
-    for place, policy in enumerate(("default_policy", "everybody")):  # one learner, then several
-        start, train = block("from ray.rllib", place)
+    for name, policy in (("rllib_ppo", "default_policy"), ("rllib_team", "everybody")):
+        start, train = program(name)
         names = run(start, {"TINY": TINY})
         algorithm = names["algorithm"]
         before = copy.deepcopy(algorithm.get_weights()[policy])
@@ -234,7 +234,7 @@ def test_torchrl_trains_as_the_page_says() -> None:
     torch = pytest.importorskip("torch")
     pytest.importorskip("torchrl")
     torch.manual_seed(0)
-    start, train = block("from torchrl")
+    start, train = program("torchrl_ppo")
     names = run(start, {"TINY": TINY})
     before = {part: weights_of(names[part]) for part in ("actor", "critic")}
     run(train, names)

@@ -10,6 +10,7 @@ from wildscav_engine.envs.settings.config import EnvConfig
 from wildscav_engine.envs.settings.presets import PRESETS
 from wildscav_engine.envs.spaces.observation import observation_space, readings_space
 from wildscav_engine.tracks import TRACKS
+from wildscav_engine.tracks.rewards import REWARD_TERMS
 from wildscav_website.environments import Environment, environments, page
 from wildscav_website.observed import observation_rows
 
@@ -55,7 +56,10 @@ def test_the_page_shows_every_row_and_every_argument(one: Environment) -> None:
     text = page(one)
     for row in (*observation_rows(one.single), *observation_rows(one.several)):
         assert f"`{row.part}[{row.place}]`" in text
-    assert "](../environments.md#opponents)" in text  # a link within the guide leads there from here, too
-    assert "](../#" not in text
-    arguments = set(re.findall(r"^\| `(\w+)` \|", text.partition("## Arguments")[2], re.MULTILINE))
-    assert arguments == (set(EnvConfig.model_fields) - {"track"}) | {"preset"}
+    for term, weight in one.single.reward_weights.items():
+        assert f"| `{term}` | {weight:g} | {REWARD_TERMS[term].title} |" in text
+    for term in REWARD_TERMS.keys() - one.single.reward_weights.keys():
+        assert f"    | `{term}` | {REWARD_TERMS[term].title} |" in text
+    arguments = dict(re.findall(r"^\| `(\w+)` \| .+ \| (.*) \|$", text.partition("## Arguments")[2], re.M))
+    assert all(arguments.values()), "write what an option means beside it"
+    assert set(arguments) == (set(EnvConfig.model_fields) - {"track"}) | {"preset"}

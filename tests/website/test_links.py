@@ -13,6 +13,8 @@ from wildscav_website.links import links_for_site
         ("https://example.org/x.md", "https://example.org/x.md", []),
         ("../README.md#install", "index.md#install", []),
         ("../CONTRIBUTING.md", "contributing.md", []),
+        ("examples/self_play.py", "examples/self_play.md", []),
+        ("examples/demo_season.json", "examples/demo_season.json", []),
         ("../Makefile", "source/Makefile", ["Makefile"]),
         # A page that the website does not have would be a broken link there, too.
         ("../submissions/learned-commando/README.md", "../submissions/learned-commando/README.md", []),

@@ -1,5 +1,6 @@
 """The pages of reference tell everything there is."""
 
+import dataclasses
 import importlib
 import inspect
 import re
@@ -8,6 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import pytest
 import typer
 
 import wildscav
@@ -16,6 +18,8 @@ from wildscav.cli.main import app
 from wildscav.harness.settings import ModelSettings
 from wildscav.harness.spending import Ending
 from wildscav.proto import match_pb2
+from wildscav_engine.sensors import SENSORS
+from wildscav_engine.specs.map_spec import Country, MapConfig, Placement
 from wildscav_evaluator.ledger import entries
 from wildscav_evaluator.output import results
 from wildscav_evaluator.output.json_files import FileModel
@@ -24,7 +28,20 @@ from wildscav_evaluator.tournaments import tournament_file
 from wildscav_language.calls import Reason
 from wildscav_language.mcp_server.protocol import all_tools
 from wildscav_legacy.episode import FIELDS
-from wildscav_website import commands, legacy, metrics, modules, output_files, protocol, rest, sdk, tools
+from wildscav_website import (
+    commands,
+    legacy,
+    metrics,
+    modules,
+    output_files,
+    protocol,
+    rest,
+    sdk,
+    sensors,
+    tools,
+)
+from wildscav_website.build import examples
+from wildscav_website.sensors import meanings_of, range_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -60,6 +77,42 @@ def test_the_list_of_modules_says_of_every_system_of_the_game_what_it_does() -> 
     page = modules.page()
     for file in (ROOT / "engine" / "wildscav_engine" / "simulation" / "systems").glob("[a-z]*.py"):
         assert re.search(rf"^\| `{file.name}` \| \w.+ \|$", page, re.MULTILINE), file.name
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_the_page_of_every_sensor_tells_each_option_and_each_number(name: str) -> None:
+    sensor = SENSORS[name]()
+    entries = dict(entry.split("\n", 1) for entry in sensors.page().split("\n## ")[1:])
+    reading = (
+        f"`{type(sensor).__name__}` has the shape `{sensor.space.shape}` and the type {sensor.space.dtype}"
+    )
+    assert reading in entries[name]
+    for field in dataclasses.fields(sensor):  # type: ignore[arg-type]
+        default, meaning = repr(getattr(sensor, field.name)), meanings_of(type(sensor))[field.name]
+        assert meaning, f"{name}.{field.name}: write what it means behind it"
+        row = f"| `{field.name}` | `{default}` | {range_of(type(sensor), field.name)} | {meaning} |"
+        assert row in entries[name]
+    for place, column in enumerate(sensor.columns):
+        assert f"| {place} | {column.name} | {column.unit} |" in entries[name]
+
+
+@pytest.mark.parametrize(
+    ("sensor", "option", "allowed"),
+    [
+        ("depth", "width", "1 to 1920"),
+        ("depth", "moving", "True, False"),
+        ("segmentation", "label", '"kind", "instance"'),
+        ("nearby_supplies", "range", "above 0, to 200"),
+    ],
+)
+def test_the_range_of_an_option_is_told_in_words(sensor: str, option: str, allowed: str) -> None:
+    assert range_of(SENSORS[sensor], option) == allowed
+
+
+def test_every_program_of_the_examples_has_a_page_with_its_code() -> None:
+    pages = {path: write() for path, write in examples().items()}
+    assert "class Altimeter(Sensor)" in pages["examples/altimeter.md"]
+    assert "class Summit(Track)" in pages["examples/hills/wildscav_hills/summit.md"]
 
 
 def test_the_reference_of_the_protocol_tells_every_field() -> None:
@@ -137,6 +190,11 @@ def test_every_field_has_a_meaning() -> None:
                 assert field.meaning, f"{name}.{field.name}: write what it means behind it"
                 described += 1
     assert described > 60
+
+
+@pytest.mark.parametrize("kind", [MapConfig, Country, Placement])
+def test_every_field_of_a_map_has_a_meaning_beside_it(kind: type) -> None:
+    assert [field.name for field in sdk.fields_of(kind) if not field.meaning] == []
 
 
 def test_make_builds_strictly_and_does_not_silence_the_warnings_that_are_counted() -> None:

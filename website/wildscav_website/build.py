@@ -1,6 +1,7 @@
 """Additions to the build steps of MkDocs: pages generated from the code, and links that lead out of docs/."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
@@ -20,9 +21,10 @@ from wildscav_website import (
     python_reference,
     rest,
     sdk,
+    sensors,
     tools,
 )
-from wildscav_website.links import GENERATED, MOVED, ROOT, SOURCES, links_for_site
+from wildscav_website.links import EXAMPLES, GENERATED, MOVED, ROOT, SOURCES, links_for_site, page_of_example
 
 ASSETS = Path(__file__).parents[1] / "assets"
 
@@ -43,13 +45,27 @@ def generated_pages() -> dict[str, Callable[[], str]]:
         "reference/rest.md": rest.page,
         "reference/sdk.md": sdk.page,
         "reference/tools.md": tools.page,
+        "reference/every-sensor.md": sensors.page,
     }
+
+
+def examples() -> dict[str, Callable[[], str]]:
+    """Return a function for each program of the examples, as ``generated_pages`` does."""
+    programs = sorted((ROOT / EXAMPLES).rglob("*.py"))
+    return {page_of_example(one.relative_to(ROOT).as_posix()): partial(_program, one) for one in programs}
+
+
+def _program(path: Path) -> str:
+    name = path.relative_to(ROOT).as_posix()
+    return f"# {path.name}\n\n`{name}`:\n\n```python\n{path.read_text('utf-8')}```\n"
 
 
 def on_files(files: Files, /, *, config: MkDocsConfig) -> Files:
     """Add the pages that are not in docs/, the style sheet, and the match of the home page."""
     for path, write in generated_pages().items():
         files.append(File.generated(config, path, content=write()))
+    for path, write in examples().items():
+        files.append(File.generated(config, path, content=write(), inclusion=InclusionLevel.NOT_IN_NAV))
     for asset in sorted(ASSETS.iterdir()):
         files.append(File.generated(config, f"assets/{asset.name}", abs_src_path=str(asset)))
     files.append(File.generated(config, home.MATCH, content=home.match_page()))

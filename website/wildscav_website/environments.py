@@ -20,6 +20,7 @@ from wildscav_engine.tracks.rewards import REWARD_TERMS
 from wildscav_website.links import ROOT
 from wildscav_website.markdown import code, indented, sentence, table
 from wildscav_website.observed import Row, observation_rows
+from wildscav_website.sdk import fields_of
 
 MODES = ("dict", "box", "baseline", "multidiscrete", "fine", "keys")
 ACTIONS = """## Action space
@@ -52,7 +53,9 @@ Those that take long to measure, such as SPL, are there with `all_metrics=True`.
 """
 ARGUMENTS = """## Arguments
 
-These are keyword arguments of `gymnasium.make` and of all other functions that make this environment.
+These are keyword arguments of `gymnasium.make` and of all other functions that make this environment. The
+guide explains [options](../environments.md#options), [opponents](../environments.md#opponents) and
+[actions](../environments.md#actions).
 """
 
 
@@ -286,29 +289,18 @@ def _measured(one: Environment) -> str:
     return f"{METRICS}\n{table(('metric', 'what it is', 'unit', 'better'), rows)}"
 
 
-def _from_guide(text: str) -> str:
-    """Return a text of the guide with links that work on a page one folder below it."""
-    return text.replace("](#", "](environments.md#").replace("](", "](../")
-
-
 def _arguments(one: Environment) -> str:
-    """Describe every option with its value here and its meaning from the guide."""
-    guide = (
-        (ROOT / "docs" / "environments.md")
-        .read_text("utf-8")
-        .partition("## Options")[2]
-        .partition("\n## ")[0]
-    )
-    told = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| (.+?) \| (.+) \|$", guide, re.MULTILINE)
+    """Describe every option with its value here and the meaning that is told beside it."""
+    preset = ("`preset`", code(one.options.get("preset", "")) or "none", "options to start from, by name")
     rows = (
-        (code(name), _default(one.single, name, default), _from_guide(meaning))
-        for names, default, meaning in told
-        for name in re.findall(r"\w+", names)
+        (code(field.name), _default(one.single, field.name), field.meaning)
+        for field in fields_of(EnvConfig)
+        if field.name != "track"
     )
-    return f"{ARGUMENTS}\n{table(('argument', 'default here', 'what it is'), rows)}"
+    return f"{ARGUMENTS}\n{table(('argument', 'default here', 'what it is'), [preset, *rows])}"
 
 
-def _default(config: EnvConfig, name: str, told: str) -> str:
+def _default(config: EnvConfig, name: str) -> str:
     """Return the default value of an option in an environment."""
     found: dict[str, Any] = {
         "time_limit": f"{config.match_spec().time_limit:g} s",
@@ -316,13 +308,9 @@ def _default(config: EnvConfig, name: str, told: str) -> str:
         "teammates": _several(config.teammates),
         "sensors": ", ".join(config.read_sensors()),
         "rewards": ", ".join(f"{term}: {weight:g}" for term, weight in config.reward_weights.items()),
+        "rules": "`Rules()`",
     }
-    if name in found:
-        return str(found[name])
-    value = getattr(config, name, None)
-    if value is None or name in {"rules", "preset"}:
-        return "see [the guide](../environments.md#options)" if told in {"see below", "as above"} else told
-    return code(repr(value))
+    return str(found[name]) if name in found else code(repr(getattr(config, name)))
 
 
 def _several(names: Sequence[object]) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 DOCS = "docs/"
+EXAMPLES = "docs/examples/"  # whose programs are pages of the website
 SOURCES = "source/"  # the website's folder for other files of the repository that pages link to
 # Files of code from which pages of the website are made.
 GENERATED = {
@@ -23,6 +24,12 @@ GENERATED = {
     "evaluator/wildscav_evaluator/output/results.py": "reference/files.md",
     "evaluator/wildscav_evaluator/tournaments/tournament_file.py": "reference/files.md",
     "leaderboard/wildscav_leaderboard/hosting/metrics.py": "reference/metrics.md",
+    "engine/wildscav_engine/envs/settings/config.py": "environments/navigation.md",
+    "engine/wildscav_engine/envs/league/league.py": "reference/environments.md",
+    "engine/wildscav_engine/envs/settings/functions.py": "reference/environments.md",
+    "engine/wildscav_engine/envs/settings/players.py": "reference/environments.md",
+    "engine/wildscav_engine/specs/map_spec.py": "reference/matches.md",
+    "engine/wildscav_engine/sensors/__init__.py": "reference/every-sensor.md",
 }
 # Files outside docs/ that are pages of the website.
 MOVED = {
@@ -38,6 +45,11 @@ MOVED = {
     **GENERATED,
 }
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)")
+
+
+def page_of_example(source: str) -> str:
+    """Return where the website shows a program of the examples."""
+    return source.removeprefix(DOCS).removesuffix(".py") + ".md"
 
 
 def links_for_site(markdown: str, page: str, add: Callable[[str], None]) -> str:
@@ -59,7 +71,7 @@ def links_for_site(markdown: str, page: str, add: Callable[[str], None]) -> str:
         if source in MOVED:
             target = MOVED[source]
         elif source.startswith(DOCS):
-            target = source.removeprefix(DOCS)
+            target = page_of_example(source) if source.endswith(".py") else source.removeprefix(DOCS)
         else:
             add(source)
             target = SOURCES + source

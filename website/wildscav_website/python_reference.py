@@ -21,7 +21,7 @@ PAGES = {
         {
             "wildscav_engine.envs": "SingleEnv VectorArena parallel_env aec_env ParallelArena BatchedArena "
             "StableVector EnvConfig EnvOptions EpisodeOptions FlatObservations FlatActions describe "
-            "League PolicyOpponent StatefulPolicy Sampler SeatController",
+            "League Learners PolicyOpponent StatefulPolicy Sampler SeatController",
             "wildscav_training.opponents": "submission SubmissionOpponent",
         },
     ),
@@ -35,8 +35,8 @@ PAGES = {
         "The parts of a match. [The rules](../rules.md) explain the numbers.",
         {
             "wildscav_engine.specs.match_spec": "MatchSpec",
-            "wildscav_engine.specs.map_spec": "MapSpec MapConfig",
-            "wildscav_engine.specs.supply_config": "SupplyConfig SupplyWave",
+            "wildscav_engine.specs.map_spec": "MapSpec MapConfig Country Placement",
+            "wildscav_engine.specs.supply_config": "SupplyConfig SupplyWave HotSpot",
             "wildscav_engine.specs.zone_config": "ZoneConfig ZonePhase",
             "wildscav_engine.specs.rules": "Rules",
             "wildscav_engine.simulation.match": "Match",

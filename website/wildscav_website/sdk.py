@@ -113,7 +113,7 @@ def fields_of(kind: type) -> list[Field]:
             node.target.id,
             ast.unparse(node.annotation),
             _default(node.value),
-            comments.get(node.end_lineno or node.lineno, ""),
+            next(filter(None, map(comments.get, _lines_of(node))), ""),
         )
         for node in definition.body
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.target.id[0] != "_"
@@ -143,6 +143,11 @@ def _meanings(source: str) -> dict[int, str]:
             comments.setdefault(number, above)
             above = ""
     return comments
+
+
+def _lines_of(node: ast.stmt) -> range:
+    """Return the lines of a statement, the last one first."""
+    return range(node.end_lineno or node.lineno, node.lineno - 1, -1)
 
 
 def _entry(module: str, name: str) -> Iterator[str]:

@@ -27,6 +27,7 @@ RenderMode = Literal["rgb_array", "depth_array", "human", "rerun"]
 RenderView = Literal["eyes", "behind", "top"]
 Width = Annotated[int, Field(ge=16, le=1920)]  # pixels
 Height = Annotated[int, Field(ge=16, le=1080)]  # pixels
+Maps = int | tuple[int, ...] | MapSpec | MapConfig
 PlayerEntry = Annotated[Any, AfterValidator(read_entry)]  # becomes a ``Player`` or a ``Sampler``
 # By name; see ``settings/functions.py``.
 RewardFunctions = Annotated[dict[str, Any], AfterValidator(checked_rewards)]
@@ -39,42 +40,49 @@ class EnvConfig(Spec):
     """The options of an environment: map, players, duration, rules, observations, actions and rewards."""
 
     track: str
-    # A numbered map, several, one map by its spec, or random maps of a config; None: those of the level.
-    map: int | tuple[int, ...] | MapSpec | MapConfig | None = None
-    level: Level = "normal"
-    split: Split = "train"
-    random_maps: Annotated[int, Field(ge=1, le=100_000)] = 64
+    map: Maps | None = (
+        None  # numbers, a MapSpec, or a MapConfig for random maps of its kind; None: of the level
+    )
+    level: Level = "normal"  # how hard random maps are, from "easy" to "expert"
+    split: Split = "train"  # which seeds to use: "train" or "test"
+    random_maps: Annotated[int, Field(ge=1, le=100_000)] = 64  # their number; each episode is played on one
     unseen: bool = False  # random maps of the split "test" hold only pieces that those of "train" lack
-    start: Position | None = None  # m, of the first seat; None: a random place
-    starts: tuple[Position | None, ...] | None = None  # m, of every seat
+    start: Position | None = None  # x, y, z in m, of the first seat; None: a random place
+    starts: tuple[Position | None, ...] | None = None  # x, y, z in m, of every seat; None: random places
     start_range: Annotated[float, Field(ge=0, le=2000)] | None = None  # m, distance of starts from the target
-    target: Position | None = None  # m; None: a random place
+    target: Position | None = None  # x, y, z in m; None: a random place
     # Seats: learners first, then the others on their team, then opponents; see ``settings/players.py``.
-    agents: Annotated[int, Field(ge=1, le=1000)] = 1
-    teammates: tuple[PlayerEntry, ...] = ()
-    opponents: tuple[PlayerEntry, ...] | None = None  # None: the track's default
-    teams: tuple[int, ...] | None = None  # one per seat; None: see ``team_of_seats``
+    agents: Annotated[int, Field(ge=1, le=1000)] = 1  # number of learners; they have the first seats
+    teammates: tuple[PlayerEntry, ...] = ()  # who else is on the learners' team, an entry for each seat
+    opponents: tuple[PlayerEntry, ...] | None = None  # who plays against the learners; None: as in the track
+    teams: tuple[int, ...] | None = None  # the team of every seat; None: as the guide says
     # Duration and rules.
-    time_limit: Annotated[float, Field(gt=0, le=86_400)] | None = None  # s; None: the track's default
-    frames_per_action: Annotated[int, Field(ge=1, le=50)] = 5
-    rules: RulesField = Rules()
-    supplies: SupplyConfig | None = None  # None: the default of the map or the track
-    supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None
-    zone: ZoneConfig | None = None  # None: the track's default
+    time_limit: Annotated[float, Field(gt=0, le=86_400)] | None = (
+        None  # s of game time; None: as in the track
+    )
+    frames_per_action: Annotated[int, Field(ge=1, le=50)] = 5  # frames of 1/50 s for which an action is held
+    rules: RulesField = Rules()  # those that differ from the default, or their name: "original" or "fair"
+    supplies: SupplyConfig | None = None  # as in a MatchSpec; None: the default of the map or the track
+    supply_goal: Annotated[int, Field(ge=1, le=1_000_000)] | None = None  # supplies with which a team wins
+    zone: ZoneConfig | None = None  # as in a MatchSpec; None: the track's default
     # Observations, actions and rewards.
     version: Version = VERSION  # of the observations: the number after v in ids
     sensors: dict[str, dict[str, Any]] | None = None  # by name, with options; None: the track's default
     rewards: dict[str, float] | None = None  # weights by the names of terms; None: the track's default
     reward_functions: RewardFunctions = Field(default_factory=dict)  # terms of your own, by name
     observers: Observers = Field(default_factory=dict)  # observations of your own, by name
-    action_mode: ActionMode = "dict"
-    flat: bool = False  # one row of numbers instead of a Dict, for observations and infos
+    action_mode: ActionMode = "dict"  # the format of actions
+    flat: bool = False  # observations are rows of numbers, each divided by its usual magnitude; infos arrays
     all_metrics: bool = False  # in infos: also those that take long to measure, such as SPL
     # Rendering and execution.
-    render_mode: RenderMode | None = None
-    render_view: RenderView = "eyes"
+    render_mode: RenderMode | None = None  # "human": a window; "rerun": a live view in 3D
+    render_view: RenderView = (
+        "eyes"  # through the first learner's eyes, it from behind, or the map from the top
+    )
     render_size: tuple[Width, Height] | None = None  # pixels; None: 320 × 180, of a window 960 × 540
-    threads: Annotated[int, Field(ge=1, le=1024)] = 1
+    threads: Annotated[int, Field(ge=1, le=1024)] = (
+        1  # for large batches and images; results do not depend on it
+    )
 
     @field_validator("teammates", "opponents", mode="before")
     @classmethod

@@ -25,7 +25,7 @@ MAX_LABEL = 2**31 - 1
 class SegmentationCamera(TracedCamera):
     """Labels of the objects in each pixel."""
 
-    label: Literal["kind", "instance"] = "kind"
+    label: Literal["kind", "instance"] = "kind"  # what the value of a pixel means
 
     name: ClassVar[str] = "segmentation"
     title: ClassVar[str] = "the object in each pixel: number of its kind, or of its instance"

@@ -1,7 +1,7 @@
 """Data sets on disk: Minari reads back what was played, and its environment starts where an episode did."""
 
 import json
-import re
+import runpy
 from pathlib import Path
 from typing import Any
 
@@ -116,10 +116,8 @@ def test_the_example_of_the_page_learns_what_the_agent_does(
     form = ("--option", "flat=true", "--option", "action_mode=multidiscrete")
     played = dataset("--agent", "homing", "--matches", 8, "--id", "navigation/mapper-v0", *form, *HERE)
     assert played.exit_code == 0
-    page = (Path(__file__).parents[4] / "docs" / "datasets.md").read_text("utf-8")
-    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     monkeypatch.chdir(tmp_path)
-    exec(compile(code, "docs/datasets.md", "exec"), {})  # noqa: S102
+    runpy.run_path(str(Path(__file__).parents[4] / "docs" / "examples" / "clone.py"))
     losses = [float(line.split()[2]) for line in capsys.readouterr().out.splitlines()]
     assert losses[-1] < 0.5 * losses[0]
     files = policy_files(tmp_path / "clone.npz", "clone", "navigation", form[1::2], "sampled", "tanh")
