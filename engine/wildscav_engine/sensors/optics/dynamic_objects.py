@@ -146,7 +146,7 @@ def objects_of_matches(state: State, room: ObjectSets | None = None) -> ObjectSe
     else:
         arrays = _allocate(count if room is None else count + count // 4)
         addresses = addresses_of_new(arrays)
-    body_colors = colors_of_bodies(max(1, state.agents.team.shape[1]))  # no more teams than seats
+    body_colors = colors_of_bodies(int(state.agents.team.max(initial=0)) + 1)
     _write_objects(agents, supplies, matches, BODY_TABLE, CRATE_TABLE, body_colors, addresses)
     return ObjectSets(arrays, start, most, FACES if count else 0, addresses)
 
