@@ -16,6 +16,7 @@ GENERATED = {
     "platform/wildscav/cli/main.py": "reference/commands.md",
     "website/wildscav_website/modules.py": "reference/modules.md",
     "platform/wildscav/harness/settings.py": "reference/sdk.md",
+    "platform/wildscav_language/calls.py": "reference/tools.md",
     "platform/wildscav_language/tools/__init__.py": "reference/tools.md",
     "platform/wildscav_server/server_metrics.py": "reference/metrics.md",
     "evaluator/wildscav_evaluator/ledger/entries.py": "reference/files.md",
