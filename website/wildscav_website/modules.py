@@ -1,4 +1,7 @@
-"""The list of modules: what the first line of each docstring says, folder by folder."""
+"""The list of modules: what the first line of each docstring says, folder by folder.
+
+``make docs`` makes the page; in the repository, each module begins with its line.
+"""
 
 import ast
 from collections.abc import Iterator

@@ -3,6 +3,8 @@
 A command is a function with Typer's annotations, or a Typer application with several subcommands. Its module
 is imported only when the command is run or listed in the help. An entry point ``map.look`` is a subcommand of
 ``map``, whichever package has that.
+
+The website makes its reference of commands from these functions; ``wildscav COMMAND -h`` shows the same.
 """
 
 import functools
