@@ -83,7 +83,7 @@ def test_the_text_agrees_with_the_tables() -> None:
     rules = Rules()
     assert rules.spread == rules.recoil == rules.walking_sway == rules.turning_sway == 0
     assert "By default, all four are 0." in text
-    assert "with four more than the waves need for each seat" in text
+    assert "room for the boxes of its waves and four more for each seat" in text
     spot = HotSpot()
     boxes = (
         f"{spot.boxes} boxes of {spot.quantity[0]} to {spot.quantity[1]} supplies and r = {spot.radius:g} m"

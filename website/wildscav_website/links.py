@@ -13,6 +13,7 @@ SOURCES = "source/"  # the website's folder for other files of the repository th
 GENERATED = {
     "platform/wildscav/proto/match.proto": "reference/protocol.md",
     "platform/wildscav/agent.py": "reference/sdk.md",
+    "platform/wildscav/skills/__init__.py": "reference/sdk.md",
     "platform/wildscav/cli/main.py": "reference/commands.md",
     "website/wildscav_website/modules.py": "reference/modules.md",
     "platform/wildscav/harness/settings.py": "reference/sdk.md",

@@ -1,4 +1,7 @@
-"""The sensors of agents: images in ``optics`` and ``screen``, numbers in ``state``; see ``extensions.py``."""
+"""The sensors of agents: images in ``optics`` and ``screen``, numbers in ``state``; see ``extensions.py``.
+
+A sensor's options, with their ranges, are the fields of its class, in the files imported below.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
