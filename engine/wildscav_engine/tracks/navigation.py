@@ -16,7 +16,7 @@ SPL = Metric("spl", "SPL", "", lower_is_better=False)
 
 
 class Navigation(Track):
-    """Scored by the time used; if the target is not reached, plus 2 · distance left / 10 s.
+    """Scored by the time used; if the target is not reached, plus 2 · distance left / 10 m/s.
 
     With several teams it is a race: the first agent at the target ends the match for all. Agents that arrive
     in the same frame have also reached it.
