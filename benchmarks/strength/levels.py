@@ -5,7 +5,8 @@
 plays the same matches on the test maps of a level with each agent, as ``wildscav baselines`` does, and with
 ``tuned``: a policy that ``wildscav train`` trained on the level's maps for training. It adds what is not yet
 in the folder of results, and prints the tables of all that is there; with ``--agents ''`` it only does that.
-``--track gathering`` and ``--track battle`` do the same for the ladders of these tracks, without ``tuned``.
+``--track gathering`` and ``--track battle`` do the same for the ladders of these tracks. With ``--seed 1``,
+the matches of another ``tuned`` join those that are there.
 """
 
 import itertools
@@ -37,12 +38,22 @@ AGENTS = {  # the last is no agent to compare levels by
         *("straight", "homing", "navigator", "mapper"),
         *("learned-navigator", "cloned-navigator", TUNED, "oracle"),
     ),
-    "gathering": ("homing", "hunter", "learned-scavenger", "scavenger", "random"),
-    "battle": ("homing", "hunter", "scavenger", "learned-commando", "commando", "random"),
+    "gathering": ("homing", "hunter", "learned-scavenger", TUNED, "scavenger", "random"),
+    "battle": ("homing", "hunter", "scavenger", "learned-commando", TUNED, "commando", "random"),
 }
 REFERENCES = {"gathering": "scavenger", "battle": "commando"}  # the score 1, where 0 is that of ``random``
-STEPS, TRAINING_MAPS, FRAMES = 1_000_000, 64, 15
-
+STEPS = 1_000_000
+GATHERER = {"to_supplies": {}, "to_hot_spot": {}, "lidar": {"channels": 2, "azimuths": 24}}
+TRAINING: dict[str, dict[str, Any]] = {  # the environment of ``tuned``, as docs/training.md advises
+    "navigation": {"random_maps": 64, "time_limit": 120, "frames_per_action": 15},
+    "gathering": {"preset": "ladder-gathering", "frames_per_action": 10, "sensors": GATHERER},
+    "battle": {
+        "preset": "ladder-battle",
+        "action_mode": "fine",
+        "sensors": {"sights": {}, **GATHERER},
+        "rewards": {"supplies": 0.02, "hit": 0.2, "kill": 1, "death": -1},
+    },
+}
 
 WHOLE = partial(mean, digits=0)
 SCORES = {
@@ -54,21 +65,20 @@ SCORES = {
 Results = Mapping[tuple[str, str], Any]  # by level and agent
 
 
-def trained_on(level: Level, out: Path) -> SeatController:
+def trained_on(track: str, level: Level, seed: int, out: Path) -> SeatController:
     """Return a policy as a submission; it is trained, or its training goes on, unless that is done."""
-    options = {"level": level, "random_maps": TRAINING_MAPS, "time_limit": 120, "frames_per_action": FRAMES}
-    hyperparameters, options = preset_settings("tuned", "navigation", options)
-    settings = TrainingSettings("navigation", options, STEPS, 0, hyperparameters)
-    run = out / level / "seed-0"
+    hyperparameters, options = preset_settings("tuned", track, {"level": level, **TRAINING[track]})
+    settings = TrainingSettings(track, options, STEPS, seed, hyperparameters)
+    run = (out if track == "navigation" else out / track) / level / f"seed-{seed}"
     train(settings, run, lambda _: None, resume=True, episodes=1)
     folder = run / "submission"
     write_files(folder, policy_submission(run, settings, f"tuned-{level}", Choose.SAMPLED))
     return named_agent(str(folder))
 
 
-def measured(track: str, level: Level, name: str, matches: int, out: Path) -> dict[str, Any]:
+def measured(track: str, level: Level, name: str, seed: int, matches: int, out: Path) -> dict[str, Any]:
     """Let an agent play, and return its scores in each match."""
-    agent = trained_on(level, out) if name == TUNED else named_agent(name)
+    agent = trained_on(track, level, seed, out) if name == TUNED else named_agent(name)
     trials = [play(agent, spec) for spec in matches_on(track, level, matches)]
     scores = {score: [round(trial.metrics[score], 4) for trial in trials] for score in SCORES[track]}
     act_time = statistics.fmean(trial.act_time for trial in trials)
@@ -166,6 +176,7 @@ def main(
         str | None, typer.Option(help="Agents to add, separated by commas.", show_default="all")
     ] = None,
     matches: Annotated[int, typer.Option(help="Matches of each agent on a level.", min=2)] = 100,
+    seed: Annotated[int, typer.Option(help="Of the training of tuned.")] = 0,
     out: Annotated[Path, typer.Option(help="Folder of the trainings.")] = Path("out/levels"),
     picture: Annotated[Path | None, typer.Option(help="File for the picture.")] = None,
 ) -> None:
@@ -174,11 +185,16 @@ def main(
     folder = RESULTS if track == "navigation" else RESULTS / track
     for level in chosen:
         for name in AGENTS[track] if agents is None else filter(None, agents.split(",")):
+            file = f"{level}-{name}-{seed}.json" if name == TUNED and seed else f"{level}-{name}.json"
             add(
-                folder / f"{level}-{name}.json",
-                lambda level=level, name=name: measured(track, level, name, matches, out),
+                folder / file,
+                lambda level=level, name=name: measured(track, level, name, seed, matches, out),
             )
-    results = {(one["level"], one["agent"]): one for one in results_in(folder)}
+    results: dict[tuple[str, str], Any] = {}
+    for one in results_in(folder):
+        known = results.setdefault((one["level"], one["agent"]), one)
+        for score in SCORES[track] if known is not one else ():
+            known[score] += one[score]  # of another training
     for score, shown in SCORES[track].items():
         sys.stdout.write(table(results, track, score, shown))
     if scaled := normalized(results, track) if track in REFERENCES else {}:

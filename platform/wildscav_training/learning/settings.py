@@ -107,13 +107,16 @@ def preset_settings(
         UserError: There is no such preset, or it has no environment of this track.
     """
     from wildscav_engine.envs import PRESETS as ENVIRONMENTS
+    from wildscav_engine.envs.settings.presets import LADDERS
 
     if preset not in PRESETS:
         raise UserError(
             f"--preset is {preset!r}{did_you_mean(preset, PRESETS)}; the presets are {', '.join(PRESETS)}",
             exit_code=2,
         )
-    base: dict[str, Any] = {"flat": True, **SEATS.get(track, ALONE)}
+    # On a ladder, the level says who else plays.
+    seats = {} if options.get("preset") in LADDERS else SEATS.get(track, ALONE)
+    base: dict[str, Any] = {"flat": True, **seats}
     if preset == "tuned":
         base |= {"version": 1, "action_mode": "multidiscrete", **SHAPED.get(track, {})}
     elif f"paper-{track}" in ENVIRONMENTS:

@@ -40,6 +40,16 @@ def test_every_track_has_an_environment_of_the_tuned_preset(track: str) -> None:
     assert len(config.players) == (9 if track in {"battle", "royale"} else 0)
 
 
+@pytest.mark.parametrize(
+    ("track", "others"), [("gathering", ("gatherer-hard",) * 29), ("battle", ("fighter-hard",) * 19)]
+)
+def test_on_a_ladder_one_policy_learns_among_the_robots_of_the_level(
+    track: str, others: tuple[str, ...]
+) -> None:
+    _, options = preset_settings("tuned", track, {"preset": f"ladder-{track}", "level": "expert"})
+    assert multi_agent_config(track, options).seats == ("submission", *others)
+
+
 @pytest.mark.parametrize("track", ["navigation", "gathering", "capture"])
 def test_the_paper_preset_has_the_papers_environment(track: str) -> None:
     _, options = preset_settings("paper", track, {"map": 101})
