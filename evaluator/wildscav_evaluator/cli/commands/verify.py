@@ -239,8 +239,8 @@ def _run_again(record: Path, agent: str, seats: list[int], logs: Path | None, sa
     from wildscav_evaluator.cli.options.selection import load_submissions
     from wildscav_evaluator.cli.sessions.run_again import run_again
 
+    check_folder("--logs", logs or Path("out/verify"), is_default=logs is None)
     logs = logs or Path("out/verify")
-    check_folder("--logs", logs)
     loaded = load_submissions([Path(agent)])
     if loaded[0].manifest.model:
         raise UserError(
