@@ -152,7 +152,7 @@ def test_an_interval_is_shown_once_it_says_something(games: int, shown: str) -> 
 
 def test_who_has_played_all_matches_of_a_short_ladder_has_an_interval() -> None:
     for planned, is_shown in ((10, True), (11, False)):
-        board = ladder_of(duels(*"ab ba ab ba ab".split()), "ab", planned)
+        board = ladder_of(duels(*["ab", "ba", "ab", "ba", "ab"]), "ab", planned)
         assert {row.matches for row in board.rows} == {10}
         assert {row.is_measured for row in board.rows} == {is_shown}
 
