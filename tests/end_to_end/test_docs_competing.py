@@ -172,6 +172,8 @@ def compete(person: Person) -> int:
         own = [{"12": "2", "345": str(match)}.get(word, word) for word in words[1:]]
         if own[0] == "watch":  # until Ctrl-C
             continue
+        if own[0] == "play":
+            own += ["--time-limit", "5", "--size", "60"]
         person.run(*own)
         if own[0] == "evaluate":
             improve(folder / "my-agent" / "agent.py")
