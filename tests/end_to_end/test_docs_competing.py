@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+from pydantic import BaseModel
 from tests.commands import run_command
 from tests.end_to_end.pages import blocks, json_documents
 from tests.leaderboard.agents import write_agent
@@ -19,6 +20,15 @@ from tests.leaderboard.competing.season_site import Competitor, Site, competitor
 from tests.leaderboard.seasons_made import make_season
 from tests.ports import free_ports
 
+from wildscav_leaderboard.api.documents import (
+    AccountView,
+    MatchView,
+    NewTeamView,
+    QuotaView,
+    SeatView,
+    SubmissionView,
+    TeamView,
+)
 from wildscav_leaderboard.seasons.initial_files import make_season_folder
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SeasonSettings
 from wildscav_leaderboard.submissions.states import STATES
@@ -30,7 +40,6 @@ PAGE = ROOT / "docs" / "competing.md"
 TUTORIAL = ROOT / "docs" / "tutorial-competitor.md"
 OF_ORGANIZERS = ROOT / "docs" / "tutorial-organizer.md"
 TEXT = PAGE.read_text("utf-8")
-TOLD = json_documents()
 WILDSCAV = str(Path(sys.executable).parent / "wildscav")
 PATIENCE = 1200  # looks at a season that plays
 
@@ -71,7 +80,7 @@ def test_the_documents_have_the_fields_that_the_help_of_their_commands_tells(
         done = competitor.run(*command.split(), *arguments, "--json")
         assert done.returncode == 0, done.stderr
         document = json.loads(done.stdout)
-        assert TOLD[told or command] - {"agent", "platform"} <= names(document), command
+        assert json_documents()[told or command] - {"agent", "platform"} <= names(document), command
         return document
 
     shown("login", competitor.site.url, "--token", competitor.site.token("ada"))
@@ -86,10 +95,25 @@ def test_the_documents_have_the_fields_that_the_help_of_their_commands_tells(
     match = competitor.site.played(number, 0)
     shown("team matches", number)
     of_match = json.loads(competitor.run("team", "logs", "--match", match, "--json").stdout)
-    assert names(of_match) == TOLD["team logs"] - {"submission"}
+    assert names(of_match) == json_documents()["team logs"] - {"submission"}
     shown("leaderboard --season", "latest", told="leaderboard of a season")
     shown("team submissions cancel", number, told="team submissions with an act")
     shown("login --logout", told="login with --logout")
+
+
+@pytest.mark.parametrize(
+    ("command", "documents"),
+    [
+        ("login", [AccountView]),
+        ("team create", [NewTeamView, TeamView]),
+        ("team show", [QuotaView]),
+        ("team matches", [MatchView, SeatView]),
+        ("submit", [SubmissionView]),
+    ],
+)
+def test_the_help_tells_every_field_of_its_documents(command: str, documents: list[type[BaseModel]]) -> None:
+    there = {field for one in documents for field in one.model_fields}
+    assert there - json_documents()[command] == set()
 
 
 def commands(page: Path) -> list[list[str]]:
@@ -148,6 +172,8 @@ def compete(person: Person) -> int:
         own = [{"12": "2", "345": str(match)}.get(word, word) for word in words[1:]]
         if own[0] == "watch":  # until Ctrl-C
             continue
+        if own[0] == "play":
+            own += ["--time-limit", "5", "--size", "60"]
         person.run(*own)
         if own[0] == "evaluate":
             improve(folder / "my-agent" / "agent.py")
