@@ -171,6 +171,12 @@ def test_the_reference_of_the_sdk_tells_every_ending_and_setting_of_a_model() ->
     assert all(f"| `{field.name}` |" in page for field in fields(ModelSettings))
 
 
+def test_the_reference_of_the_sdk_does_not_publish_the_environment_it_was_built_in() -> None:
+    page = sdk.page()
+    assert "in_environment" in page
+    assert "environ(" not in page
+
+
 def test_a_comment_becomes_paragraphs_and_what_is_set_in_stays_as_it_is() -> None:
     comment = " One\n two.\n\n   client    server\n   Join ---> \n\n Three.\n"
     assert protocol.prose(comment) == "One\ntwo.\n\n```text\n  client    server\n  Join --->\n```\n\nThree.\n"
