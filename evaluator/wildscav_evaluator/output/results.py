@@ -77,7 +77,7 @@ class MetricInfo(FileModel):
 
     name: str
     title: str
-    unit: str
+    unit: str  # empty: none
     lower_is_better: bool
 
 
@@ -117,7 +117,7 @@ class SeatRow(WithOptionalFields):
     actions: int = 0  # answers of the agent that came in time
     invalid_actions: int = 0  # those with a number out of its range, played as no action
     ignored_fields: int = 0  # fields that were set although the track has no such action, in all actions
-    metrics: dict[str, float] = Field(default_factory=dict)
+    metrics: dict[str, float] = Field(default_factory=dict)  # by name
     log: str | None = None  # path in the output folder: what its agent printed
 
 
