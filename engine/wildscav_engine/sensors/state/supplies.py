@@ -113,7 +113,7 @@ class ToSupplies(StateSensor):
         Column("log quantity", "", 0, 22, "logarithm of 1 + the supplies in it"),
     )
 
-    limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = 3  # rows: boxes
+    limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = 3  # rows: boxes, those most worth a walk
     worth: Annotated[float, Field(ge=0, le=2)] = 0.6  # exponent of the supplies; 0: the nearest first
     start_up: Annotated[float, Field(ge=0, le=100)] = 3.0  # m added to every way: even a near box takes time
 
