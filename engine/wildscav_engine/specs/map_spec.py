@@ -16,7 +16,7 @@ class Placement(Spec):
 
     kind: Literal["house", "block", "tree", "bush", "rock"]  # trees, bushes and rocks may fill an area
     location: tuple[float, float]  # x, z in m, of its center
-    area: tuple[Side, Side] | None = None  # m, width, depth; None, not for blocks: one plant, a drawn house
+    area: tuple[Side, Side] | None = None  # m; a block needs one; None: one plant or rock, or a drawn size
     orientation: Annotated[float, Field(ge=-360, le=360)] = 0.0  # degrees, the yaw of its front
     storeys: Storeys | None = None  # of a house; None: drawn by the generator
     height: Annotated[float, Field(gt=0, le=30)] = 2.0  # m, of a block
