@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+import tomli_w
 from tests.commands import run_command
 from tests.end_to_end.pages import blocks, json_documents
 from tests.leaderboard.agents import write_agent
@@ -19,8 +20,9 @@ from tests.leaderboard.competing.season_site import Competitor, Site, competitor
 from tests.leaderboard.seasons_made import make_season
 from tests.ports import free_ports
 
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import make_season_folder
-from wildscav_leaderboard.seasons.settings import SETTINGS_FILE, SeasonSettings
+from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
 from wildscav_leaderboard.submissions.states import STATES
 
 __all__ = ["competitor"]
@@ -201,8 +203,9 @@ def test_the_way_from_an_empty_folder_to_the_final_boards(
 def test_the_settings_of_the_tutorial_are_settings(tmp_path: Path) -> None:
     make_season_folder(tmp_path / "spring", None, None, days=30)
     (changes,) = blocks(OF_ORGANIZERS, "toml")
-    settings = tomllib.loads((tmp_path / "spring" / SETTINGS_FILE).read_text()) | tomllib.loads(changes)
-    assert SeasonSettings.model_validate(settings).execution.sandbox == "bubblewrap"
+    path = tmp_path / "spring" / SETTINGS_FILE
+    path.write_text(tomli_w.dumps(tomllib.loads(path.read_text()) | tomllib.loads(changes)))
+    assert Season.open(path.parent).settings.execution.sandbox == "bubblewrap"
 
 
 def has_team(document: Any) -> bool:
