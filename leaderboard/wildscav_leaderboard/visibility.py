@@ -132,9 +132,9 @@ def perhaps_shown(session: Session) -> list[Match]:
     return list(session.scalars(wanted))
 
 
-def is_anything_shown(session: Session) -> bool:
-    """Return whether everyone may watch any of the newest matches, live or over."""
-    newest = [*list_matches(session, state=PLAYING), *perhaps_shown(session)]
+def is_anything_shown(session: Session, over: Sequence[Match]) -> bool:
+    """Return whether everyone may watch any match that is played, or of those of ``perhaps_shown``."""
+    newest = [*list_matches(session, state=PLAYING), *over]
     return any("" in (seen.live, seen.record) for seen in seen_by(session, newest, None).values())
 
 

@@ -4,6 +4,7 @@ import re
 import shlex
 from collections.abc import Iterator
 from contextlib import chdir, redirect_stdout
+from functools import cache
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,7 @@ def run_line(line: str, folder: Path, *more: str) -> str:
     return done.stdout
 
 
+@cache
 def json_documents() -> dict[str, set[str]]:
     """What the help of each command tells of its ``--json``, by the command and what it is about."""
     return dict(_documents(typer.main.get_command(main.app), ""))
@@ -61,6 +63,6 @@ def _documents(command: Any, path: str) -> Iterator[tuple[str, set[str]]]:
         yield from _documents(command.get_command(None, name), f"{path} {name}".strip())
     if any("--json" in parameter.opts for parameter in command.params):
         told = re.findall(r"^With --json(?:, (.+?))?: (.*)$", command.help, re.MULTILINE)
-        assert told, path
+        assert told, f"the help of `wildscav {path}` has no paragraph that begins with `With --json: `"
         for about, fields in told:
             yield f"{path} {about}".strip(), set(re.findall(r"`(\w+)`", fields))

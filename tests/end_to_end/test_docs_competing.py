@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import pytest
 import tomli_w
+from pydantic import BaseModel
 from tests.commands import run_command
 from tests.end_to_end.pages import blocks, json_documents
 from tests.leaderboard.agents import write_agent
@@ -20,6 +21,15 @@ from tests.leaderboard.competing.season_site import Competitor, Site, competitor
 from tests.leaderboard.seasons_made import make_season
 from tests.ports import free_ports
 
+from wildscav_leaderboard.api.documents import (
+    AccountView,
+    MatchView,
+    NewTeamView,
+    QuotaView,
+    SeatView,
+    SubmissionView,
+    TeamView,
+)
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import make_season_folder
 from wildscav_leaderboard.seasons.settings import SETTINGS_FILE
@@ -32,10 +42,9 @@ PAGE = ROOT / "docs" / "competing.md"
 TUTORIAL = ROOT / "docs" / "tutorial-competitor.md"
 OF_ORGANIZERS = ROOT / "docs" / "tutorial-organizer.md"
 TEXT = PAGE.read_text("utf-8")
-TOLD = json_documents()
 WILDSCAV = str(Path(sys.executable).parent / "wildscav")
 PATIENCE = 1200  # looks at a season that plays
-SHORTER = {"evaluate": ["--suite", "spring/tiny.toml"]}
+SHORTER = {"play": ["--time-limit", "5", "--size", "60"], "evaluate": ["--suite", "spring/tiny.toml"]}
 
 
 def lines(block: str) -> list[list[str]]:
@@ -74,7 +83,7 @@ def test_the_documents_have_the_fields_that_the_help_of_their_commands_tells(
         done = competitor.run(*command.split(), *arguments, "--json")
         assert done.returncode == 0, done.stderr
         document = json.loads(done.stdout)
-        assert TOLD[told or command] - {"agent", "platform"} <= names(document), command
+        assert json_documents()[told or command] - {"agent", "platform"} <= names(document), command
         return document
 
     shown("login", competitor.site.url, "--token", competitor.site.token("ada"))
@@ -89,10 +98,25 @@ def test_the_documents_have_the_fields_that_the_help_of_their_commands_tells(
     match = competitor.site.played(number, 0)
     shown("team matches", number)
     of_match = json.loads(competitor.run("team", "logs", "--match", match, "--json").stdout)
-    assert names(of_match) == TOLD["team logs"] - {"submission"}
+    assert names(of_match) == json_documents()["team logs"] - {"submission"}
     shown("leaderboard --season", "latest", told="leaderboard of a season")
     shown("team submissions cancel", number, told="team submissions with an act")
     shown("login --logout", told="login with --logout")
+
+
+@pytest.mark.parametrize(
+    ("command", "documents"),
+    [
+        ("login", [AccountView]),
+        ("team create", [NewTeamView, TeamView]),
+        ("team show", [QuotaView]),
+        ("team matches", [MatchView, SeatView]),
+        ("submit", [SubmissionView]),
+    ],
+)
+def test_the_help_tells_every_field_of_its_documents(command: str, documents: list[type[BaseModel]]) -> None:
+    there = {field for one in documents for field in one.model_fields}
+    assert there - json_documents()[command] == set()
 
 
 def commands(page: Path) -> list[list[str]]:

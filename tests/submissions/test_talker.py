@@ -26,6 +26,15 @@ def test_where_there_is_no_model_it_is_refused_before_its_match(command: list[st
     assert list(tmp_path.iterdir()) == []
 
 
+def test_it_is_not_played_against_its_record(tmp_path: Path) -> None:
+    done = run_command("verify", TALKER / "agent.py", "--agent", TALKER, cwd=tmp_path)
+
+    assert (done.returncode, done.stderr) == (
+        2,
+        "wildscav: submission 'talker' asks a language model, and verify offers none\n",
+    )
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("compiled")
 def test_without_a_model_it_says_what_it_needs(tmp_path: Path) -> None:

@@ -67,7 +67,9 @@ def test_the_reference_of_commands_tells_every_command_and_option() -> None:
 
 
 def test_the_page_of_the_original_client_gets_every_field_with_its_default_and_its_range() -> None:
-    page = legacy.with_fields((ROOT / "docs" / "legacy.md").read_text("utf-8"))
+    written = (ROOT / "docs" / "legacy.md").read_text("utf-8")
+    assert f"\n{legacy.AFTER}\n" in written
+    page = legacy.with_fields(written)
     rows = re.findall(r"^\| `(\w+)` \| ([-\de+.]+) \| ([-\de+.]+) \| ([-\de+.]+) \|", page, re.MULTILINE)
     told = {name: tuple(map(float, numbers)) for name, *numbers in rows}
     assert told == {name: tuple(map(float, number)) for name, number in FIELDS.items()}

@@ -17,6 +17,7 @@ from wildscav_evaluator.suites.suite_file import find_suite
 
 LARGEST = 1 << 20  # bytes of an answer
 TIMEOUT = 30.0  # s
+NO_MODEL = "the submission asks a language model, and the season offers none"
 
 
 class _Track(BaseModel):
@@ -28,6 +29,7 @@ class _Track(BaseModel):
 class _Validation(BaseModel):
     sandbox: str
     limits: dict[str, Limits]
+    model: bool = False
 
 
 class SeasonRules(BaseModel):
@@ -56,11 +58,13 @@ class SeasonRules(BaseModel):
         """Return what to play on each track that the submission and the season have.
 
         ``instead`` is the suite that is played where the season's own is hidden. UserError if they have no
-        track in common.
+        track in common, or the submission asks a model and the season offers none.
         """
         tracks = [one for one in self.tracks if one.name in submission.manifest.tracks]
         if not tracks:
             raise UserError(f"the season has only {', '.join(one.name for one in self.tracks)}")
+        if submission.manifest.model and not self.validation.model:
+            raise UserError(NO_MODEL)
         return {one.name: self._trial(one, instead) for one in tracks}
 
     def _trial(self, track: _Track, instead: str) -> Trial:

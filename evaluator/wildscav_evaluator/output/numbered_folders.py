@@ -6,6 +6,7 @@ finds its folder again by its identity, even after others were evaluated.
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from wildscav.errors import UserError
@@ -29,10 +30,19 @@ def own_folder(parent: Path, identity: Identity, *, fresh: bool) -> Path:
 
 
 def next_folder(parent: Path, names: Sequence[str]) -> Path:
-    """Return the numbered folder that follows those in a folder, labelled with some submissions' names."""
-    folders = numbered(parent)
-    last = number_of(folders[-1]) if folders else 0
+    """Return the numbered folder that follows all in a folder, labelled with some submissions' names."""
+    found = parent.iterdir() if parent.is_dir() else ()  # files, too: their names are taken
+    last = max((number_of(path) for path in found if NUMBERED.fullmatch(path.name)), default=0)
     return parent / f"{last + 1:04}-{_label(names)}"
+
+
+def make_next_folder(parent: Path, names: Sequence[str]) -> Path:
+    """Make the next numbered folder, which nobody else has: another process may make one at the same time."""
+    while True:
+        folder = next_folder(parent, names)
+        with suppress(FileExistsError):
+            folder.mkdir(parents=True)
+            return folder
 
 
 def numbered(parent: Path) -> list[Path]:

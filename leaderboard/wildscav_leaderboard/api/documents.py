@@ -277,6 +277,7 @@ class ValidationView(View):
 
     sandbox: str
     limits: dict[str, dict[str, Any]]  # of an agent on each track
+    model: bool  # whether agents may ask a language model
 
 
 class SeasonView(View):

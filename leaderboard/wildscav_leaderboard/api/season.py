@@ -61,7 +61,8 @@ def announcement_views(session: Session) -> list[AnnouncementView]:
 def validation_view(session: Session, season: Season) -> ValidationView:
     """Return how submissions are validated."""
     limits = {track: season.limits(track).model_dump(mode="json") for track in season.settings.tracks}
-    return ValidationView(sandbox=sandbox_of(session, season), limits=limits)
+    offers_model = season.settings.model is not None
+    return ValidationView(sandbox=sandbox_of(session, season), limits=limits, model=offers_model)
 
 
 def counts_view(session: Session) -> CountsView:

@@ -54,7 +54,7 @@ OF_LADDERS = (
         "rating",
         _rated(lambda row: f"{row.rating:,.0f}"),
         "main",
-        note=_rated(lambda row: f"± {row.deviation:,.0f}"),
+        note=_rated(lambda row: f"± {row.deviation:,.0f}" if row.is_measured else ""),
     ),
     Column(
         "95 % interval",

@@ -115,8 +115,8 @@ class LadderRow(Row):
 
     @property
     def is_measured(self) -> bool:
-        """Whether it has played enough for its interval to say anything."""
-        return not self.provisional or self.matches >= FEWEST_MATCHES
+        """Whether it has played enough for its interval to say anything, or all that it will play."""
+        return not self.provisional or self.matches >= min(FEWEST_MATCHES, self.planned)
 
 
 class SuiteBoard(Part):

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wildscav_evaluator.resampling import CONFIDENCE, student_quantile
 
-FEWEST_MATCHES = 6  # in fewer, one of two equals wins all of them in more than one case of twenty
+FEWEST_SHARED_MATCHES = 6  # in fewer, one of two equals wins all of them in more than one case of twenty
 
 
 def rank_ranges(better: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -37,7 +37,7 @@ def better_in_pairs(scores: NDArray[np.float64], *, lower_is_better: bool) -> ND
         (N, N): whether the submission of the row is better than that of the column.
     """
     count, matches = scores.shape
-    if matches < FEWEST_MATCHES or count < 2:
+    if matches < FEWEST_SHARED_MATCHES or count < 2:
         return np.zeros((count, count), np.bool_)
     centred = scores - scores.mean(axis=1, keepdims=True)
     covariance = centred @ centred.T / matches

@@ -33,9 +33,11 @@ def matches(
     """List the matches of a submission, or of the whole season; or show one match.
 
     With --json: `matches`: `id`, `kind`, `track`, `number`, `state`, `since`, `created`, `detail`,
-    `platform_faults`, `judging`, `superseded` (since when a later judging counts), `hidden` (why), `record`
-    (its digest), and `seats`: `seat`, `entrant` (in records), `name`, `submission`, `team`, `team_title`,
-    `status`, `fault`, `detail`, `metrics`, and of your own team's the latencies, of each.
+    `platform_faults`, `judging`, `superseded` (since when a later judging counts), `winner` (or why there is
+    none), `hidden` (why its record is), `unseen` (why its outcome is), `record` (its digest), and `seats`:
+    `seat`, `entrant` (in records), `name`, `submission`, `team`, `team_title`, `status`, `fault`, `detail`,
+    `metrics`, `place` (on a ladder), and of your own team's `latency_p50`, `latency_p99`, `latency_max` and
+    `late_steps`, of each.
     """
     if match is not None and (submission is not None or track is not None):
         raise UserError("--match shows one match: leave out the others", exit_code=2)

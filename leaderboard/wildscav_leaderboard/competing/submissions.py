@@ -45,8 +45,8 @@ def submissions(
 ) -> None:
     """List your team's submissions, show one, or decide whether it takes part.
 
-    With --json: `submissions`, each with the fields that `wildscav submit` tells; `history` and `progress`
-    only of one that is asked for by its number.
+    With --json: `submissions`, each with the fields that `wildscav submit` tells; `history`, `progress`
+    and `totals` only of one that is asked for by its number.
 
     With --json, with an act: `submission`.
     """

@@ -54,10 +54,12 @@ def submit(
     `team_title`, `name`, `version`, `message`, `tracks`, `digest`, `size`, `created`, `state`, `playing`
     (tracks), `kept`, `replaces` (by track, the number of what will leave it), `since`, `deadline`,
     `queue_position`, `expected_wait` (s), `validation` (how far it is), `charged`, `platform_faults`, `fault`
-    (`agent` or `platform`), `reason`, `last_lines`, `command`, `history`, `progress`.
+    (`agent` or `platform`), `reason`, `last_lines`, `command`, `history`, `progress`, `totals`.
 
     While it takes part, `progress` has one entry for each of its tracks: `track`, `played` and `planned`
-    matches, and `missing`, how many teams a ladder waits for before it makes matches.
+    matches, and `missing`, how many teams a ladder waits for before it makes matches. Once all its matches of
+    a suite are over, `totals` has an entry for it: `track`, `matches`, their mean `score`, and `faults`, in
+    how many of them it had each kind.
     """
     from wildscav_evaluator.cli.options.selection import load_named
 

@@ -1,11 +1,12 @@
 """Checking a season: that everything is there that it needs, and as it was when it was stored."""
 
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from sqlalchemy import text
+from sqlalchemy import select, text
+from sqlalchemy.orm import Session
 
 from wildscav.errors import UserError
 from wildscav_leaderboard.conductor.editions import edition_changes
@@ -15,7 +16,11 @@ from wildscav_leaderboard.organizing.backups.backup import OnProgress, upgraded
 from wildscav_leaderboard.organizing.stored_files import stored_files
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
 from wildscav_leaderboard.seasons.initial_files import COMMITMENTS_FILE, commitments_text
+from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.seasons.own_database import opened
+from wildscav_leaderboard.seasons.state import is_decided
+from wildscav_leaderboard.submissions.archives import load_archive
+from wildscav_leaderboard.submissions.service import taking_part
 
 
 @dataclass
@@ -59,9 +64,30 @@ def check_season(folder: Path, on_progress: OnProgress = lambda *_: None) -> Che
             _check_files(season, database, found, on_progress)
             with database.reading() as session:
                 found.changes += [one.text for one in edition_changes(session, season)]
+                found.problems += entries_without_model(session, season)
     except UserError as error:
         found.problems.append(str(error))
     return found
+
+
+def entries_without_model(session: Session, season: Season) -> Iterator[str]:
+    """Yield a line for each entry that asks a model where the settings no longer offer the one they did."""
+    written = (season.as_written or season).settings
+    editions = session.scalars(select(EditionRow.document))
+    if (
+        written.model is not None
+        or is_decided(session)
+        or all(one["conditions"].get("model") is None for one in editions)
+    ):
+        return
+    entries = {one.id: one for track in written.tracks for one, _ in taking_part(session, track)}
+    for number, one in entries.items():
+        with suppress(UserError):  # a missing archive has a line of its own
+            if load_archive(season, one.archive, one.entrant).manifest.model:
+                yield (
+                    f"submission {number}, {one.name} {one.version}, asks a language model, and the settings "
+                    "offer none: its matches will be its own faults"
+                )
 
 
 def check_rules(season: Season) -> list[str]:

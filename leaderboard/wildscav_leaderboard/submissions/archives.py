@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav.errors import UserError
+from wildscav_evaluator.check.season import NO_MODEL
 from wildscav_evaluator.submissions.archives import SUFFIXES, unpack
 from wildscav_evaluator.submissions.submission import Submission, load_submission
 from wildscav_leaderboard.seasons.folder import Season
@@ -63,7 +64,7 @@ def check_archive(path: Path, season: Season) -> CheckedArchive:
             f"{', '.join(season.settings.tracks)}"
         )
     if submission.manifest.model and season.settings.model is None:
-        raise InvalidError("the submission asks a language model, and the season offers none")
+        raise InvalidError(NO_MODEL)
     suffix = next(suffix for suffix in SUFFIXES if path.name.endswith(suffix))
     with path.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()

@@ -2,9 +2,10 @@
 
 from datetime import datetime
 
-from sqlalchemy import ForeignKey, Index
+from sqlalchemy import ForeignKey, Index, String
 from sqlalchemy.orm import Mapped, mapped_column
 
+from wildscav_evaluator.output.results import OtherInterface
 from wildscav_leaderboard.database.base import Base
 
 
@@ -40,7 +41,9 @@ class Submission(Base):
     replaces: Mapped[int | None] = mapped_column(default=None)  # which one its team wants it to replace
     last_lines: Mapped[list[str]] = mapped_column(default_factory=list)  # that its agent printed
     command: Mapped[str] = mapped_column(default="")  # that shows it again on the competitor's machine
-    interface: Mapped[str | None] = mapped_column(default=None)  # by which it plays; None for numbers
+    interface: Mapped[OtherInterface | None] = mapped_column(
+        String, default=None
+    )  # by which it plays; None for numbers
 
     @property
     def entrant(self) -> str:

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from wildscav_leaderboard.access.requests import AnyBrowser, CurrentSeason, Number, Reading
 from wildscav_leaderboard.api.boards import head_to_head_view, ladder_of, ranked_teams
 from wildscav_leaderboard.boards.columns import columns_of
-from wildscav_leaderboard.boards.documents import SuiteBoard
+from wildscav_leaderboard.boards.documents import FEWEST_MATCHES, SuiteBoard
 from wildscav_leaderboard.boards.history import team_histories
 from wildscav_leaderboard.boards.kept import board_updated, earlier_editions, read_board
 from wildscav_leaderboard.seasons import state as season_state
@@ -72,6 +72,7 @@ def _part(
 def _rendered(session: Session, track: str, audience: str, updated: datetime, own: str | None) -> Markup:
     found = read_board(session, track, audience)
     shown: dict[str, Any] = {"board": found, "own": own, "is_suite": isinstance(found, SuiteBoard)}
+    shown["fewest"] = FEWEST_MATCHES
     if found is not None:
         teams = ranked_teams(found, CHARTED)
         until = updated if audience == HIDDEN else min(updated, shown_until(session, None) or updated)

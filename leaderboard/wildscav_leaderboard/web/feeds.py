@@ -10,6 +10,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
+from wildscav_evaluator.output.results import with_interface
 from wildscav_leaderboard.access.requests import CurrentSeason, Number, Reading
 from wildscav_leaderboard.boards.documents import BoardDocument, Row
 from wildscav_leaderboard.boards.history import latest_points
@@ -55,7 +56,8 @@ def board_feed(request: Request, track: str, season: CurrentSeason, session: Rea
             "id": f"boards/{track}/points/{point.id}",
             "title": f"{team.title}: {_ranks(point.rank, point.last_rank)}",
             "text": (
-                f"With {one.name} {one.version}, {point.score:,.2f}, after {counted(point.matches, 'match')}."
+                f"With {with_interface(f'{one.name} {one.version}', one.interface)}, {point.score:,.2f}, "
+                f"after {counted(point.matches, 'match')}."
             ),
             "at": point.at,
             "link": f"/submissions/{one.id}",

@@ -23,7 +23,7 @@ from wildscav_leaderboard.boards.history import histories_of
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import BoardPoint
 from wildscav_leaderboard.boards.progress import progress_of
-from wildscav_leaderboard.matches.models import FINISHED
+from wildscav_leaderboard.matches.models import FINISHED, Match
 from wildscav_leaderboard.matches.service import list_matches
 from wildscav_leaderboard.organizing.team_acts import acts_on
 from wildscav_leaderboard.playing.permission import tracks_of
@@ -59,6 +59,7 @@ def home(
         track: [] if board is None else [row for row in board.rows if row.rank is not None][:LEADERS]
         for track, board in boards.items()
     }
+    over = perhaps_shown(session)
     return page(
         request,
         "home.html",
@@ -67,15 +68,15 @@ def home(
         counts=counts_view(session),
         boards=boards,
         leaders=leaders,
-        latest=_latest(session, renders),
-        watchable=is_anything_shown(session),
+        latest=_latest(session, renders, over),
+        watchable=is_anything_shown(session, over),
         now=now,
     )
 
 
-def _latest(session: Session, renders: RenderCache) -> tuple[MatchView, str] | None:
+def _latest(session: Session, renders: RenderCache, over: Sequence[Match]) -> tuple[MatchView, str] | None:
     """Return the newest match that everyone may watch and that has a poster, and the path of the poster."""
-    newest = [match for match in perhaps_shown(session) if renders.is_kept("poster", str(match.id))]
+    newest = [match for match in over if renders.is_kept("poster", str(match.id))]
     shown = (view for view in match_views(session, newest, None) if view.hidden is None)
     return next(((view, f"/api/v1/matches/{view.id}/poster.jpg") for view in shown), None)
 

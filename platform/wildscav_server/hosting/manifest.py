@@ -100,12 +100,14 @@ def read_manifest(path: Path) -> Manifest:
 
 
 def check_plays_numbers(path: Path, manifest: Manifest) -> None:
-    """Raise a SubmissionError if a submission plays by words or keys, where there is no bridge."""
+    """Raise a SubmissionError if a submission plays by words or keys, or asks a model."""
     if manifest.interface != "numbers":
         raise SubmissionError(
             f"{path}: interface: is {manifest.interface!r}; here, agents must play by numbers (`wildscav "
             "play` and evaluations take all)"
         )
+    if manifest.model:
+        raise SubmissionError(f"{path}: model: is true; here, agents cannot ask a language model")
 
 
 def _read_toml(path: Path) -> dict[str, Any]:

@@ -33,7 +33,8 @@ def submission_opponent(folder: Path, track: str) -> Opponent:
     """Return the opponent that plays from a submission's folder.
 
     Raises:
-        UserError: It cannot be read, does not play the track, or plays by another interface than numbers.
+        UserError: It cannot be read, does not play the track, plays by another interface than numbers, or
+            asks a model.
     """
     manifest = read_manifest(folder / MANIFEST)
     if track not in manifest.tracks:

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from time import sleep
@@ -15,7 +16,7 @@ from wildscav_evaluator.output.folder import keep_only, output_folder
 from wildscav_evaluator.output.identity import Identity, difference, read_identity, write_identity
 from wildscav_evaluator.output.layout import IDENTITY_FILE
 from wildscav_evaluator.output.lock import LOCK, locked
-from wildscav_evaluator.output.numbered_folders import own_folder
+from wildscav_evaluator.output.numbered_folders import make_next_folder, own_folder
 from wildscav_evaluator.output.results import Results, write_results
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 from wildscav_evaluator.sandbox import Limits
@@ -204,6 +205,12 @@ def test_each_other_evaluation_gets_the_next_number_and_the_same_one_its_own(tmp
     assert begin(parent, first, fresh=True) == "0003-mine"
     assert begin(parent, identity("mine", "homing")) == "0004-mine-homing"
     assert begin(parent, identity("mine", "homing", "hunter")) == "0005-mine-and-2-more"
+
+
+def test_what_begins_at_once_shares_no_folder(tmp_path: Path) -> None:
+    with ThreadPoolExecutor() as threads:
+        made = threads.map(lambda _: make_next_folder(tmp_path / "out", ["mine"]), range(20))
+    assert sorted(one.name for one in made) == [f"{number:04}-mine" for number in range(1, 21)]
 
 
 def test_what_else_lies_there_does_no_harm(tmp_path: Path) -> None:

@@ -112,9 +112,9 @@ def duels(*pairs: str) -> tuple[RatedMatch, ...]:
     return tuple(replace(end, game=game % len(pairs)) for game, end in enumerate(ends))
 
 
-def ladder_of(matches: tuple[RatedMatch, ...], names: str) -> LadderBoard:
+def ladder_of(matches: tuple[RatedMatch, ...], names: str, most: int = 100) -> LadderBoard:
     entrants = [Entry(name, number, name, team=name) for number, name in enumerate(names, 1)]
-    return ladder_board("battle", CONDITIONS, TIME, entrants, Played(matches), Enough(400.0, 100), NOON)
+    return ladder_board("battle", CONDITIONS, TIME, entrants, Played(matches), Enough(400.0, most), NOON)
 
 
 def test_a_ladder_ties_those_that_are_equal_and_ranks_nobody_before_a_match() -> None:
@@ -130,6 +130,7 @@ def test_before_its_first_match_a_rating_says_nothing() -> None:
         row.team: [f"{one.text(row)} {one.note(row)}".strip() for one in columns_of(board)]
         for row in board.rows
     }
+    assert "±" not in shown["a"][0]
     assert shown["a"][1] == "2 matches provisional"
     assert shown["a"][2:] == ["1.00", "2", "2 of 100", "0"]  # mean place, wins, matches, faults
     assert shown["c"] == ["", "", "", "0", "0 of 100", "0"]
@@ -147,6 +148,13 @@ def test_an_interval_is_shown_once_it_says_something(games: int, shown: str) -> 
         assert interval.text(row).startswith(shown)
         assert (Scale.of(board).bar(row) is None) == (shown == "10 matches")
         assert -1000 < row.low < row.high < 4000  # the document has them in any case
+
+
+def test_who_has_played_all_matches_of_a_short_ladder_has_an_interval() -> None:
+    for planned, is_shown in ((10, True), (11, False)):
+        board = ladder_of(duels(*["ab", "ba", "ab", "ba", "ab"]), "ab", planned)
+        assert {row.matches for row in board.rows} == {10}
+        assert {row.is_measured for row in board.rows} == {is_shown}
 
 
 def test_who_won_its_few_matches_is_provisional_and_does_not_lead() -> None:

@@ -23,16 +23,28 @@ def test_it_prints_a_table_for_every_track(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     navigation, gathering = done.stdout.split("gathering ·")
     lines = [line.split() for line in gathering.splitlines()]
-    assert [line[:4] for line in lines if line[2:3] == ["1.0.0"]] == [
+    assert [line[:4] for line in lines if line[2:3] == ["1.0.0"] and line[0].isdecimal()] == [
         ["1", "hunter", "1.0.0", "30.5"],
         ["2", "homing", "1.0.0", "12.0"],
     ]
     assert "9.0" in navigation
     assert f"played by {CURRENT_VERSIONS}\n" in gathering
-    assert f"signed: homing with the key {'ab' * 32}\n" in gathering
+    assert "started: all on 2030-01-01\n" in gathering
+    assert f"signed: homing 1.0.0 with the key {'ab' * 32}\n" in gathering
     (table,) = json.loads(leaderboard(tmp_path, "--track=gath", "--json").stdout)["standings"]
     assert (table["track"], table["simulation_version"]) == ("gathering", CURRENT_VERSIONS.simulation)
     assert {row["submission"]: row["key"] for row in table["rows"]} == {"homing": "ab" * 32, "hunter": None}
+
+
+def test_it_says_when_each_row_was_played(tmp_path: Path) -> None:
+    by_words = scored_results({("homing", "gathering"): [12.0]}, started="2030-01-02T00:00:00+00:00")
+    one = by_words.evaluations[0].model_copy(update={"interface": "words"})
+    saved(by_words.model_copy(update={"evaluations": (one,)}), tmp_path / "1")
+    saved(scored_results({("homing", "gathering"): [30.5]}), tmp_path / "2")
+
+    said = leaderboard(tmp_path).stdout
+
+    assert "started: homing 1.0.0 on 2030-01-01; homing 1.0.0 (words) on 2030-01-02\n" in said
 
 
 def test_it_says_what_the_agents_of_each_table_ran_in(tmp_path: Path) -> None:

@@ -67,6 +67,8 @@ def test_the_seasons_refusals_are_told_in_one_line(competitor: Competitor) -> No
     with (write_agent(competitor.folder, "asker") / "submission.toml").open("a") as manifest:
         manifest.write("model = true\n")
     assert "asks a language model, and the season offers none" in competitor.refused("submit", "asker")
+    checked = competitor.refused("check", "asker", "--season", competitor.site.url)
+    assert "asks a language model, and the season offers none" in checked
     long = competitor.refused("submit", "royal", "-m", "x" * 2000)
     assert "message: String should have at most 1000 characters" in long
 

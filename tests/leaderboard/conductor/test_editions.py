@@ -2,9 +2,11 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from shutil import make_archive
 
 import pytest
 from sqlalchemy import func, select
+from tests.leaderboard.agents import write_agent
 from tests.leaderboard.conductor.conducted import Conducted, conducting
 from tests.leaderboard.seasons_made import make_season
 
@@ -19,7 +21,7 @@ from wildscav_leaderboard.conductor.editions import (
 from wildscav_leaderboard.matches.models import FINISHED, SUITE, VOID, WAITING, Match
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import ACTS
-from wildscav_leaderboard.organizing.checking import check_rules
+from wildscav_leaderboard.organizing.checking import check_rules, check_season, entries_without_model
 from wildscav_leaderboard.publishing.service import board_lines
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
@@ -90,6 +92,29 @@ EDITS = {
     "a model": (SETTINGS_FILE, "[quotas]", '[model]\nurl = "http://host/v1"\nname = "tiny"\n\n[quotas]'),
     "the sandbox": (SETTINGS_FILE, 'sandbox = "process"', 'sandbox = "bubblewrap"'),
 }
+
+
+def test_entries_that_ask_a_model_are_named_once_the_settings_offer_none(
+    season: Conducted, tmp_path: Path
+) -> None:
+    def lines() -> list[str]:
+        return season.write(lambda session: list(entries_without_model(session, season.season)))
+
+    file, before, after = EDITS["a model"]
+    with (write_agent(tmp_path, "asker") / "submission.toml").open("a") as manifest:
+        manifest.write("model = true\n")
+    archive = season.season.archives / season.submission(1).archive
+    make_archive(str(archive.with_suffix("")), "zip", tmp_path / "asker")
+    assert lines() == []  # it never offered one
+    edit(season, file, before, after)
+    apply(season)
+    assert lines() == []
+
+    edit(season, file, after, before)
+    said = "submission 1, runner 1, asks a language model, and the settings offer none"
+    assert [line.partition(":")[0] for line in lines()] == [said]
+    apply(season)
+    assert any(said in line for line in check_season(season.season.folder).problems)
 
 
 @pytest.mark.parametrize("what", EDITS)

@@ -9,11 +9,15 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import update
+from sqlalchemy.orm import Session
 from tests.leaderboard.filled_season import COOKIE, HOSTILE
 from tests.leaderboard.hosting.clients import Site
 
+from wildscav_leaderboard.boards.documents import BoardDocument, LadderBoard
+from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.matches.models import SUITE, Match
-from wildscav_leaderboard.visibility import is_anything_shown
+from wildscav_leaderboard.visibility import is_anything_shown, perhaps_shown
+from wildscav_leaderboard.web import public
 from wildscav_stage import viewer_files
 from wildscav_stage.scene.map_file import MAP_VERSION
 
@@ -192,10 +196,28 @@ def test_matches_are_offered_where_one_may_be_watched(site: Pages) -> None:
 
     with site.filled.database.writing() as session:
         session.execute(update(Match).values(kind=SUITE))
-        is_offered = is_anything_shown(session)
+        is_offered = is_anything_shown(session, perhaps_shown(session))
         session.rollback()
 
     assert not is_offered  # of a suite, nobody may see any before the season's end
+
+
+def test_the_first_page_shows_no_rating_of_few_matches_and_offers_none_that_nobody_may_watch(
+    site: Pages, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def with_few_matches(session: Session, track: str) -> BoardDocument | None:
+        board = read_board(session, track)
+        if not isinstance(board, LadderBoard):
+            return board
+        few = {"provisional": True, "matches": 4, "planned": 24}
+        return board.model_copy(update={"rows": tuple(row.model_copy(update=few) for row in board.rows)})
+
+    monkeypatch.setattr(public, "read_board", with_few_matches)
+    monkeypatch.setattr(public, "is_anything_shown", lambda *_: False)
+    page = site.text("/")
+
+    assert page.count("provisional, 4 matches") == public.LEADERS
+    assert "Watch matches" not in page
 
 
 @contextmanager

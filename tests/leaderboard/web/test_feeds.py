@@ -6,10 +6,12 @@ from xml.etree import ElementTree as ET
 
 import httpx
 import pytest
+from sqlalchemy import update
 from tests.leaderboard.filled_season import HOSTILE, FilledSeason
 from tests.leaderboard.hosting.clients import Site, serving_filled
 
 from wildscav_leaderboard.seasons.state import FROZEN, write_state
+from wildscav_leaderboard.submissions.models import Submission
 
 ATOM = "{http://www.w3.org/2005/Atom}"
 URL = "https://arena.example"
@@ -54,6 +56,15 @@ def test_every_change_on_a_board_is_in_its_feed_once_the_latest_first(site: Site
     assert len({text(entry, "id") for entry in found}) == len(found) > 5
     assert times == sorted(times, reverse=True)
     assert all("rank " in text(entry, "title") for entry in found)
+
+
+def test_a_boards_feed_names_the_interface_of_who_does_not_play_by_numbers(site: Site) -> None:
+    for interface, named in (("words", "(words), "), (None, "night-owl 1.1, ")):
+        with site.filled.database.writing() as session:
+            session.execute(update(Submission).values(interface=interface))
+        said = [text(entry, "content") for entry in entries(site.client.get("/feeds/battle.atom"))]
+        assert any("With night-owl 1.1" in one and named in one for one in said)
+        assert any("(words)" in one for one in said) == (interface == "words")
 
 
 def test_a_badge_tells_the_rank_to_other_sites_and_can_load_nothing_there(site: Site) -> None:

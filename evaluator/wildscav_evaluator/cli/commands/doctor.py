@@ -12,7 +12,8 @@ def doctor(
     With --executor ray, test the nodes of a cluster instead: which can be used, and the sandboxes there.
 
     With --json: `sandboxes`: `name` and `promises` of each, and for each promise `name`, `kept`, `found` and
-    `remedy`; `default`: the sandbox in which agents run by default.
+    `remedy`; `default`: the sandbox in which agents run by default; `extensions`: `group`, `name`, `origin`
+    (`package` and `version`) and `problem` (why it cannot be used) of each.
 
     With --json, with --executor ray: `nodes`: `name`, `cores`, `problem` (why it gets no work at all) and
     `sandboxes` of each: for each sandbox what it lacks there, an empty text if nothing.

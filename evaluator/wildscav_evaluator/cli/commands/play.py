@@ -56,14 +56,14 @@ def play(
 ) -> None:
     """Play one match, each agent in its own sandbox. With --model, the clock is paused while agents think.
 
-    With --json: `track`, `map`, `seed`, `seconds`, `metrics`, and `seats`: `seat`, `name`, `metrics`,
-    `status`, `detail` of each.
+    With --json: `track`, `map`, `seed`, `seconds`, `metrics`, `logs` (their folder, if agents printed
+    anything), and `seats`: `seat`, `name`, `metrics`, `status`, `detail` of each.
     """
     from wildscav_evaluator.cli.options.selection import check_plays, load_submissions, tracks_played
     from wildscav_evaluator.cli.sessions.play import make_spec, run_match
     from wildscav_evaluator.output.numbered_folders import PLAYED
 
-    check_folder("--logs", logs or PLAYED)
+    check_folder("--logs", logs or PLAYED, is_default=logs is None)
     loaded = load_submissions(submissions)
     chosen = tracks_played(loaded, [track] if track else list(loaded[0].manifest.tracks[:1]))[0]
     for submission in loaded:

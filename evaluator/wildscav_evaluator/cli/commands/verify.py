@@ -239,7 +239,12 @@ def _run_again(record: Path, agent: str, seats: list[int], logs: Path | None, sa
     from wildscav_evaluator.cli.options.selection import load_submissions
     from wildscav_evaluator.cli.sessions.run_again import run_again
 
+    check_folder("--logs", logs or Path("out/verify"), is_default=logs is None)
     logs = logs or Path("out/verify")
-    check_folder("--logs", logs)
-    runs_in, (submission,) = chosen_sandbox(sandbox, load_submissions([Path(agent)]))
+    loaded = load_submissions([Path(agent)])
+    if loaded[0].manifest.model:
+        raise UserError(
+            f"submission {loaded[0].name!r} asks a language model, and verify offers none", exit_code=2
+        )
+    runs_in, (submission,) = chosen_sandbox(sandbox, loaded)
     run_again(record, submission, seats=seats, logs=logs, sandbox=runs_in)

@@ -117,7 +117,7 @@ def _grouped(one: Standings, texts: Iterable[str | None]) -> str:
     having: dict[str, list[str]] = {}
     for row, text in zip(one.rows, texts, strict=True):
         if text is not None:
-            having.setdefault(text, []).append(row.evaluation.submission)
+            having.setdefault(text, []).append(row.evaluation.title)
     return "; ".join(
         f"{'all' if len(names) == len(one.rows) else ', '.join(names)} {text}"
         for text, names in having.items()

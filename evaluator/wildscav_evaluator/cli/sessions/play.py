@@ -40,7 +40,7 @@ from wildscav_evaluator.matches.play import (
     remove_empty_logs,
 )
 from wildscav_evaluator.model_gateway.settings import ModelSettings
-from wildscav_evaluator.output.numbered_folders import PLAYED, next_folder
+from wildscav_evaluator.output.numbered_folders import PLAYED, make_next_folder
 from wildscav_evaluator.output.results import FINISHED, metric_infos
 from wildscav_evaluator.sandbox import SANDBOXES, Sandbox
 from wildscav_evaluator.sandbox.agents.capped_log import is_cut
@@ -118,17 +118,19 @@ def run_match(
     check_output_paths(record, replay)
     if record is not None or replay is not None:
         _check_recordable(spec)
-    logs = logs or next_folder(PLAYED, [submission.name for submission in submissions])
+    above = (PLAYED / "0001" if logs is None else logs).absolute().parents
+    made = [parent for parent in above if not parent.exists()]
+    logs = logs or make_next_folder(PLAYED, [submission.name for submission in submissions])
     paths = tuple(logs / f"{seat}-{submission.name}.log" for seat, submission in enumerate(submissions))
     exchanges = None if model is None else logs / EXCHANGES_FILE
     seating = MatchAssignment(spec, tuple(submissions), paths, model=model, exchanges=exchanges)
-    with _logging(logs, paths):
+    with _logging([logs, *made], paths):
         played = _play(seating, SANDBOXES[sandbox])
     console.print(_table(seating, played))
     _show_notes(seating, played)
     errors = list(_write(played, seating, record, replay))
     if as_json:
-        print_json(_document(seating, played))
+        print_json(_document(seating, played, logs))
     if any(path.exists() for path in paths):
         console.print(f"the agents' output is in {logs}")
     if exchanges is not None:
@@ -147,15 +149,14 @@ def _check_recordable(spec: MatchSpec) -> None:
 
 
 @contextmanager
-def _logging(folder: Path, logs: Sequence[Path]) -> Iterator[None]:
-    """Create the logs; at the end remove those that are empty, and the folder if it is empty."""
-    made = [parent for parent in folder.absolute().parents if not parent.exists()]
+def _logging(folders: Sequence[Path], logs: Sequence[Path]) -> Iterator[None]:
+    """Create the logs; at the end remove those that are empty, and the folders that are, inner ones first."""
     prepare_logs(logs)
     try:
         yield
     finally:
         remove_empty_logs(logs)
-        for empty in (folder, *made):
+        for empty in folders:
             with contextlib.suppress(OSError):
                 empty.rmdir()
 
@@ -215,7 +216,7 @@ def _table(seating: MatchAssignment, played: PlayedMatch) -> Table:
     return table
 
 
-def _document(seating: MatchAssignment, played: PlayedMatch) -> dict[str, object]:
+def _document(seating: MatchAssignment, played: PlayedMatch, logs: Path) -> dict[str, object]:
     """Return what ``wildscav play --json`` prints."""
     result = played.match.result()
     return {
@@ -224,6 +225,7 @@ def _document(seating: MatchAssignment, played: PlayedMatch) -> dict[str, object
         "seed": seating.spec.seed,
         "seconds": result.frames / FRAMES_PER_SECOND,
         "metrics": [metric.as_json() for metric in metric_infos(seating.spec.track, seating.spec.metrics)],
+        "logs": str(logs) if logs.exists() else None,
         "seats": [_seat_document(seating, played, seat) for seat in result.seats],
     }
 

@@ -135,12 +135,14 @@ def apply(
     """
     from wildscav_leaderboard.cli.season.acts import command_line
     from wildscav_leaderboard.conductor.editions import apply_editions, edition_changes
+    from wildscav_leaderboard.organizing.checking import entries_without_model
 
     with opened(folder) as (season, database):
         with database.reading() as session:
             changes = edition_changes(session, season)
-        for change in changes:
-            console.print(change.text)
+            lines = [*(change.text for change in changes), *entries_without_model(session, season)]
+        for line in lines:
+            console.print(line)
         if changes and not yes:
             typer.confirm("Bring this into force?", abort=True)
         with database.writing() as session:

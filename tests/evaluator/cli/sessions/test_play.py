@@ -1,5 +1,6 @@
 """`wildscav play` as its user runs it."""
 
+import json
 import os
 import signal
 import subprocess
@@ -34,16 +35,29 @@ def test_a_match_leaves_what_was_asked_for_and_no_more(
 def test_what_agents_print_replaces_nothing_that_an_earlier_match_left(
     wildscav: Command, submit: Submit, tmp_path: Path
 ) -> None:
-    earlier = [tmp_path / "out" / "play" / name for name in ("0-talker.log", "0003-talker/0-talker.log")]
+    there = ("0-talker.log", "0003-talker/0-talker.log", "0004-notes")
+    earlier = [tmp_path / "out" / "play" / name for name in there]
     for log in earlier:
         log.parent.mkdir(parents=True, exist_ok=True)
         log.write_text("earlier")
 
-    done = wildscav("play", submit("talker", TALKER).folder, *SHORT, cwd=tmp_path)
+    done = wildscav("play", submit("talker", TALKER).folder, *SHORT, "--json", cwd=tmp_path)
 
-    assert "the agents' output is in out/play/0004-talker" in done.stdout, done.stderr
-    assert (tmp_path / "out/play/0004-talker/0-talker.log").read_text().startswith("step 0")
-    assert [log.read_text() for log in earlier] == ["earlier", "earlier"]
+    assert "the agents' output is in out/play/0005-talker" in done.stderr
+    assert json.loads(done.stdout)["logs"] == "out/play/0005-talker"
+    assert (tmp_path / "out/play/0005-talker/0-talker.log").read_text().startswith("step 0")
+    assert [log.read_text() for log in earlier] == ["earlier"] * 3
+
+
+def test_where_no_folder_can_be_made_one_is_to_be_named(
+    wildscav: Command, submit: Submit, tmp_path: Path
+) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "play").touch()
+
+    done = wildscav("play", submit("walker", WALKER).folder, cwd=tmp_path)
+
+    assert done.stderr == "wildscav: out/play is not a folder: name one with --logs\n"
 
 
 @pytest.mark.parametrize(

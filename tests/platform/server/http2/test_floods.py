@@ -18,6 +18,7 @@ from tests.platform.helpers.seats import Served, ended, host, serving, small_spe
 from wildscav.proto.match_pb2 import Action, ClientMessage
 from wildscav_server.endpoints.endpoint import EndpointSettings
 from wildscav_server.hosting.reports import SeatStatus
+from wildscav_server.http2.accounting import READ_COST, Account, FloodError
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 
@@ -51,6 +52,24 @@ def flooding(*arguments: str) -> Iterator[None]:
     finally:
         flooder.kill()
         flooder.wait()
+
+
+def test_the_allowance_lasts_as_long_as_a_client_acknowledges_what_it_is_sent() -> None:
+    asyncio.run(acknowledge_and_flood())
+
+
+async def acknowledge_and_flood() -> None:
+    unknown, known = (Account(send=lambda _: None, on_known=lambda: None) for _ in range(2))
+    for _ in range(10_000):
+        unknown.refill(100, begins=True)
+        unknown.spend(READ_COST)
+        for _ in range(3):  # windows of the stream and of the connection, and a ping
+            unknown.spend(1.0)
+    known.mark_authenticated()
+    for client, frames in ((unknown, 300), (known, 900)):
+        client.spend(frames)
+        with pytest.raises(FloodError, match="flooded its connection"):
+            client.spend(1000.0)
 
 
 @pytest.mark.parametrize("kinds", GROUPS, ids=", ".join)

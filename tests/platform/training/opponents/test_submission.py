@@ -209,6 +209,7 @@ def test_what_is_not_a_submission_is_refused(folder: str, message: str) -> None:
         (MANIFEST, "import nothing_of_this_name", "cannot be imported: ModuleNotFoundError"),
         (MANIFEST, "", "has no class Own"),
         (MANIFEST + 'interface = "words"\n', "class Own: ...", "here, agents must play by numbers"),
+        (MANIFEST + "model = true\n", "class Own: ...", "model: is true; here, agents cannot ask a language"),
         (MANIFEST + "[sensors.sonar]\n", "class Own: ...", "sensors: "),
     ],
 )

@@ -8,7 +8,7 @@ down_revision = "3"
 
 
 def upgrade() -> None:
-    """Add the column: until now all submissions played by numbers."""
+    """Add the column: in releases before it, all submissions played by numbers."""
     op.add_column("submissions", sa.Column("interface", sa.String(), nullable=True))
 
 
