@@ -16,14 +16,14 @@ class Reason(StrEnum):
     """Why a tool ended."""
 
     DONE = "done"  # it did what it is for
-    ARRIVED = "arrived"  # likewise, of a walk
+    ARRIVED = "arrived"  # the walk came to its goal
     STUCK = "stuck"  # the body moved less than 2 m in 4 s, or came no nearer to its goal for 20 s
     HIT = "hit"  # the body was shot
-    ENEMY_SEEN = "enemy_seen"  # one that was not in sight before
-    BOX_SEEN = "box_seen"  # one that was not known before
+    ENEMY_SEEN = "enemy_seen"  # an enemy came into sight that was not before
+    BOX_SEEN = "box_seen"  # a box was found that was not known before
     OUT_OF_TIME = "out_of_time"  # the seconds that the call allowed are over
-    DIED = "died"  # calls of the dead last until they come back
-    MATCH_OVER = "match_over"  # or the seat has left
+    DIED = "died"  # the agent died; calls of the dead last until they come back
+    MATCH_OVER = "match_over"  # the match is over, or the seat has left it
     REFUSED = "refused"  # the call could not be understood or played
     PLAYING = "playing"  # it has not ended, but the caller did not wait longer; Seat.wait() returns its reply
 

@@ -24,14 +24,14 @@ from wildscav_website import (
     sensors,
     tools,
 )
-from wildscav_website.links import EXAMPLES, GENERATED, MOVED, ROOT, SOURCES, links_for_site, page_of_example
+from wildscav_website.links import COPIED, EXAMPLES, ROOT, SOURCES, links_for_site, page_of_example
 
 ASSETS = Path(__file__).parents[1] / "assets"
 
 
 def generated_pages() -> dict[str, Callable[[], str]]:
     """Return a function for each page that is not in docs/, which writes it, by its path on the website."""
-    copied = {moved: (ROOT / source).read_text for source, moved in MOVED.items() if source not in GENERATED}
+    copied = {moved: (ROOT / source).read_text for source, moved in COPIED.items()}
     return {
         **copied,
         **environments.pages(),
@@ -51,13 +51,13 @@ def generated_pages() -> dict[str, Callable[[], str]]:
 
 def examples() -> dict[str, Callable[[], str]]:
     """Return a function for each program of the examples, as ``generated_pages`` does."""
-    programs = sorted((ROOT / EXAMPLES).rglob("*.py"))
+    programs = sorted((ROOT / EXAMPLES).rglob("[!_]*.py"))
     return {page_of_example(one.relative_to(ROOT).as_posix()): partial(_program, one) for one in programs}
 
 
 def _program(path: Path) -> str:
     name = path.relative_to(ROOT).as_posix()
-    return f"# {path.name}\n\n`{name}`:\n\n```python\n{path.read_text('utf-8')}```\n"
+    return f"# `{path.name}`\n\n`{name}`:\n\n```python\n{path.read_text('utf-8')}```\n"
 
 
 def on_files(files: Files, /, *, config: MkDocsConfig) -> Files:
@@ -81,7 +81,7 @@ def on_page_markdown(markdown: str, /, *, page: Page, config: MkDocsConfig, file
             included, place = InclusionLevel.INCLUDED, str(ROOT / source)
             files.append(File.generated(config, SOURCES + source, abs_src_path=place, inclusion=included))
 
-    if page.file.generated_by is None or path in MOVED.values():
+    if page.file.generated_by is None or path in COPIED.values():
         markdown = links_for_site(markdown, path, add)
     if path == "index.md":
         page.meta["hide"] = ["navigation"]

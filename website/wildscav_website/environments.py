@@ -18,7 +18,7 @@ from wildscav_engine.envs.spaces.observation import readings_space
 from wildscav_engine.tracks import TRACKS, Track
 from wildscav_engine.tracks.rewards import REWARD_TERMS
 from wildscav_website.links import ROOT
-from wildscav_website.markdown import code, indented, sentence, table
+from wildscav_website.markdown import code, indented, number, sentence, table
 from wildscav_website.observed import Row, observation_rows
 from wildscav_website.sdk import fields_of
 
@@ -193,8 +193,8 @@ def _mode(mode: ActionMode) -> Iterator[str]:
             code(column.name),
             column.meaning,
             column.unit,
-            _number(column.low),
-            _number(column.high),
+            number(column.low),
+            number(column.high),
         )
         for place, column in enumerate(mode.columns)
     )
@@ -238,8 +238,8 @@ def _observed(rows: list[Row]) -> str:
                 if row.column.name != row.part
                 else row.column.meaning,
                 row.column.unit,
-                _number(row.column.low),
-                _number(row.column.high),
+                number(row.column.low),
+                number(row.column.high),
             )
             for row in rows
         ),
@@ -327,10 +327,6 @@ def _written(space: Space[Any]) -> str:
         return f"MultiDiscrete({space.nvec.tolist()})"
     if isinstance(space, Box):
         low, high = {float(one) for one in space.low.flat}, {float(one) for one in space.high.flat}
-        bounds = f"{_number(*low)}, {_number(*high)}" if len(low) == len(high) == 1 else "…"
+        bounds = f"{number(*low)}, {number(*high)}" if len(low) == len(high) == 1 else "…"
         return f"Box({bounds}, {space.shape}, {space.dtype})"
     raise TypeError(f"{space} is of an unknown kind")
-
-
-def _number(value: float) -> str:
-    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:g}"

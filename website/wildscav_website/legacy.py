@@ -1,17 +1,19 @@
 """The fields of an episode of the original game's client, for the page about it."""
 
 import inspect
+import re
 
 from wildscav_legacy import episode
 from wildscav_website.field_comments import comments_of
 from wildscav_website.markdown import code, table
 
+POINTER = re.compile(r"`FIELDS` in\s\[`episode.py`\]\(\S+\) has")  # in the repository, the page has no table
 AFTER = "## What an episode may ask for"  # the heading below which the table stands
 
 
 def with_fields(page: str) -> str:
     """Return the page with a table of all fields at the end of that section."""
-    opening, section, rest = page.partition(AFTER)
+    opening, section, rest = POINTER.sub("The table has", page).partition(AFTER)
     text, heading, rest = rest.partition("\n## ")
     return "".join([opening, section, text, "\n", fields(), heading, rest])
 

@@ -33,8 +33,8 @@ GENERATED = {
     "engine/wildscav_engine/specs/map_spec.py": "reference/matches.md",
     "engine/wildscav_engine/sensors/__init__.py": "reference/every-sensor.md",
 }
-# Files outside docs/ that are pages of the website.
-MOVED = {
+# Files outside docs/ that are pages of the website as they are.
+COPIED = {
     "README.md": "index.md",
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
@@ -44,8 +44,8 @@ MOVED = {
     "benchmarks/results/baselines.md": "figures/baselines.md",
     "benchmarks/results/learning.md": "figures/learning.md",
     "benchmarks/results/sensors.md": "figures/sensors.md",
-    **GENERATED,
 }
+MOVED = {**COPIED, **GENERATED}
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)")
 
 

@@ -26,11 +26,12 @@ def page() -> str:
     """Return the page."""
     evaluation = EvaluationMetrics(Tally([], nodes=lambda: (Node("one", cores=1),)))
     parts = [
-        ("An evaluation", "`wildscav evaluate`, `wildscav tournament`", evaluation.collect()),
+        ("An evaluation", "`wildscav evaluate` and `wildscav tournament`", evaluation.collect()),
         ("A match server", "`wildscav serve`", ServerMetrics(list, lambda: 0).collect()),
         ("A season", "`wildscav season serve`", _of_season()),
     ]
-    return "\n".join([HEAD, *(f"## {title}\n\n{of}.\n\n{_table(found)}" for title, of, found in parts)])
+    told = (f"## {title}\n\nServed by {command}.\n\n{_table(found)}" for title, command, found in parts)
+    return "\n".join([HEAD, *told])
 
 
 def _of_season() -> list[Metric]:
@@ -42,13 +43,21 @@ def _of_season() -> list[Metric]:
         database.upgrade()
         counts = WebCounts()
         counts.requests.add("GET", "/", 200, 0.0)
+        counts.tables.end(failed=False)
         found = list(SeasonMetrics(season, database, counts).collect())
         database.close()
     return found
 
 
 def _table(metrics: Iterable[Metric]) -> str:
-    names = [
-        (f"{one.name}_total" if one.type == "counter" else one.name, one.documentation) for one in metrics
+    rows = [
+        (code(f"{one.name}{'_total' * (one.type == 'counter')}"), _labels(one), sentence(one.documentation))
+        for one in metrics
     ]
-    return table(("metric", ""), [(code(name), sentence(text)) for name, text in names])
+    return table(("metric", "labels", ""), rows)
+
+
+def _labels(metric: Metric) -> str:
+    """Return the names of a metric's labels; a family that counts itself tells them only in its samples."""
+    samples = [name for one in metric.samples[:1] for name in one.labels if name != "le"]
+    return ", ".join(map(code, getattr(metric, "_labelnames", samples)))

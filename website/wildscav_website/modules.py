@@ -3,13 +3,14 @@
 ``make docs`` makes the page; in the repository, each module begins with its line.
 """
 
-import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from wildscav_website.markdown import code, sentence, table
+from wildscav_website.links import ROOT
+from wildscav_website.markdown import code, prose, sentence, table
 
-ROOT = Path(__file__).parents[2]
+DOCSTRING = re.compile(r'(?:#.*\n|\s)*"""(.*?)(?:"""|\n)')  # a module's, to the end of its first line
 HEAD = """---
 search: { exclude: true }
 ---
@@ -41,5 +42,5 @@ def _package(folder: Path, level: int) -> Iterator[str]:
 
 
 def _first_line(path: Path) -> str:
-    docstring = ast.get_docstring(ast.parse(path.read_text("utf-8"))) or ""
-    return docstring.partition("\n")[0].replace("``", "`").replace("<", "&lt;")
+    found = DOCSTRING.match(path.read_text("utf-8"))
+    return prose(found[1]).replace("<", "&lt;") if found else ""

@@ -4,18 +4,19 @@ from collections.abc import Iterator
 
 from pydantic import BaseModel
 
+from wildscav_engine.specs import thinking
 from wildscav_evaluator.ledger import entries
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.output import identity, results
 from wildscav_evaluator.ratings import standings
 from wildscav_evaluator.tournaments import tournament_file
-from wildscav_website.markdown import code, table
+from wildscav_website.markdown import code, prose, table
 from wildscav_website.rest import document
 from wildscav_website.sdk import fields_of
 
 HEAD = """# Files of evaluations and tournaments
 
-Every field of the files in an output folder. [Evaluation](../evaluation.md) and
+Every field of the JSON files in an output folder. [Evaluation](../evaluation.md) and
 [tournaments](../tournaments.md) say what they are for.
 """
 MODEL = """## Settings of a model
@@ -25,8 +26,9 @@ agents](../evaluation.md#a-model-for-agents) has an example.
 """
 # The content of each file, and the modules with its parts.
 FILES: dict[str, tuple[type[BaseModel], tuple[object, ...]]] = {
-    "results.json": (results.Results, (results,)),
+    "results.json": (results.Results, (thinking, results)),
     "tournament.json": (tournament_file.Tournament, (results, standings, tournament_file)),
+    "evaluation.json": (identity.Identity, (results, identity)),
     "ledger.jsonl": (entries.Entry, (results, identity, entries)),
 }
 
@@ -40,7 +42,7 @@ def page() -> str:
 def _files() -> Iterator[str]:
     told: set[str] = set()
     for file, (content, modules) in FILES.items():
-        yield f"## {file}\n\n{(modules[-1].__doc__ or '').strip().replace('``', '`')}\n"
+        yield f"## {file}\n\n{prose((modules[-1].__doc__ or '').strip())}\n"
         classes = {name: kind for module in modules for name, kind in vars(module).items()}
         schema = content.model_json_schema(mode="serialization")
         parts = {content.__name__: schema, **schema.get("$defs", {})}

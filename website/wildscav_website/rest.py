@@ -1,7 +1,6 @@
 """The reference of a season's API: its routes, and its documents with the comments beside their fields."""
 
 import re
-import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -10,8 +9,8 @@ from pydantic import BaseModel
 
 from wildscav_leaderboard.api.routers import api_router
 from wildscav_leaderboard.webhooks.delivery import MAX_ATTEMPTS, MAX_LOST
-from wildscav_website.markdown import code, sentence, table
-from wildscav_website.sdk import fields_of
+from wildscav_website.markdown import code, prose, sentence, table, type_of
+from wildscav_website.sdk import meanings_of
 
 HEAD = """# The API of seasons
 
@@ -19,8 +18,8 @@ Every season answers these requests at its own address, and describes them at `/
 A request that needs an account has the header `Authorization: Bearer TOKEN` with a
 [token of the account](../competing.md#in-scripts). A request that is refused gets an [ErrorView](#errorview).
 """
-LINKED = re.compile(r"\b[A-Z]\w+")  # the name of a document
 SECONDS = re.compile(r"^s\b")  # the unit, as comments begin with it
+NONE = re.compile(r"\bNone(?=:| (?:after|before|for|if|in|until|where|while)\b)")  # Python's null
 WEBHOOKS = f"""## Webhooks
 
 A team's webhook gets a `POST` with a JSON document when the state of one of its submissions changes: `type`
@@ -29,6 +28,7 @@ A team's webhook gets a `POST` with a JSON document when the state of one of its
 is made. A message that does not arrive is sent up to {MAX_ATTEMPTS} times, over hours, with the same
 identifier. A webhook that loses {MAX_LOST} messages in a row is disabled.
 """
+BREAK = "\n\n"  # between paragraphs
 WORDS = ("get", "post", "put", "patch", "delete")
 
 
@@ -53,7 +53,7 @@ def page() -> str:
     lines += [WEBHOOKS, "## Documents\n"]
     models = _models()
     for name, schema in api["components"]["schemas"].items():
-        lines += document(name, schema, models.get(name))
+        lines += document(name, schema, models.get(name)) if "properties" in schema else []
     return "\n".join(lines)
 
 
@@ -66,57 +66,34 @@ def _route(path: str, word: str, one: Mapping[str, Any]) -> tuple[str, str, str]
     ]
     return (
         code(f"{word.upper()} {path}"),
-        sentence(one.get("description", "").split("\n\n")[0].replace("``", "`")),
+        _sentence(one.get("description", "").split(BREAK)[0]),
         ", ".join(taken) + (f" → {', '.join(answers)}" if answers else ""),
     )
 
 
 def _named(body: Mapping[str, Any]) -> list[str]:
     """Return links to the documents of a request or of an answer."""
-    types = [_type(content.get("schema", {})) for content in body.get("content", {}).values()]
-    return [LINKED.sub(_link, kind) for kind in types if LINKED.search(kind)]
-
-
-def _link(name: re.Match[str]) -> str:
-    return f"[{name[0]}](#{name[0].lower()})"
+    types = [type_of(content.get("schema", {})) for content in body.get("content", {}).values()]
+    return [kind for kind in types if "](#" in kind]
 
 
 def document(name: str, schema: Mapping[str, Any], model: type[BaseModel] | None) -> Iterator[str]:
     """Describe a document: its fields, with what the code says beside them."""
-    meanings: dict[str, str] = {}
-    for kind in model.__mro__ if model else ():
-        if (
-            getattr(sys.modules[kind.__module__], kind.__name__, None) is kind
-            and "wildscav" in kind.__module__
-        ):
-            meanings = {field.name: field.meaning for field in fields_of(kind)} | meanings
-    yield f"### {name}\n"
-    yield sentence(schema.get("description", "").split("\n\n")[0].replace("``", "`")) + "\n"
-    fields = schema.get("properties", {})
-    yield table(
-        ("field", "type", ""),
-        [
-            (
-                code(field),
-                LINKED.sub(_link, _type(of)),
-                sentence(of.get("description") or SECONDS.sub("seconds", meanings.get(field, ""))),
-            )
-            for field, of in fields.items()
-        ],
-    )
+    meanings = meanings_of(model) if model else {}
+    rows = [
+        (
+            code(field),
+            type_of(of),
+            _sentence(of.get("description") or SECONDS.sub("seconds", meanings.get(field, ""))),
+        )
+        for field, of in schema.get("properties", {}).items()
+    ]
+    yield f"### {name}\n\n{_sentence(schema.get('description', '').split(BREAK)[0])}\n"
+    yield table(("field", "type", ""), rows)
 
 
-def _type(schema: Mapping[str, Any]) -> str:
-    """Return a type in a few words."""
-    if "const" in schema:
-        return str(schema["const"])
-    if "$ref" in schema:
-        return str(schema["$ref"]).rpartition("/")[2]
-    if choices := schema.get("anyOf", schema.get("oneOf")):
-        return " or ".join(map(_type, choices))
-    if schema.get("type") == "array":
-        return f"list of {_type(schema.get('items', {}))}"
-    return str(schema.get("format") or schema.get("type") or "any")
+def _sentence(text: str) -> str:
+    return sentence(NONE.sub("`null`", prose(text)))
 
 
 def _models() -> dict[str, type[BaseModel]]:

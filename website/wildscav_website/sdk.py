@@ -14,8 +14,8 @@ from enum import Enum
 from pathlib import Path
 from typing import NamedTuple
 
-from wildscav_website.field_comments import comments_of
-from wildscav_website.markdown import code, sentence, table
+from wildscav_website.field_comments import meaning_of
+from wildscav_website.markdown import code, prose, sentence, table
 
 HEAD = """# The SDK
 
@@ -104,50 +104,37 @@ def page() -> str:
 
 def fields_of(kind: type) -> list[Field]:
     """Return the public fields that the body of a class annotates, in their order."""
-    source = textwrap.dedent(inspect.getsource(kind))
-    comments = _meanings(source)
-    (definition,) = ast.parse(source).body
-    assert isinstance(definition, ast.ClassDef)  # noqa: S101 - what a class's source is
     return [
-        Field(
-            node.target.id,
-            ast.unparse(node.annotation),
-            _default(node.value),
-            next(filter(None, map(comments.get, _lines_of(node))), ""),
-        )
-        for node in definition.body
+        Field(node.target.id, ast.unparse(node.annotation), _default(node.value), meaning)
+        for node, meaning in _body(kind)
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.target.id[0] != "_"
     ]
 
 
 def values_of(kind: type[Enum]) -> list[tuple[str, str]]:
     """Return the values of an enumeration with their meanings, as cells of a table."""
-    source = textwrap.dedent(inspect.getsource(kind))
-    comments = _meanings(source)
-    (definition,) = ast.parse(source).body
-    assert isinstance(definition, ast.ClassDef)  # noqa: S101 - what a class's source is
     return [
-        (code(ast.literal_eval(node.value)), sentence(comments.get(node.lineno, "")))
-        for node in definition.body
+        (code(ast.literal_eval(node.value)), sentence(meaning))
+        for node, meaning in _body(kind)
         if isinstance(node, ast.Assign)
     ]
 
 
-def _meanings(source: str) -> dict[int, str]:
-    """Return the comment beside each line, or else the one in lines of its own above it."""
-    comments, above = comments_of(source), ""
-    for number, line in enumerate(source.splitlines(), 1):
-        if line.lstrip().startswith("#"):
-            above = f"{above} {comments.pop(number, '')}".strip()
-        else:
-            comments.setdefault(number, above)
-            above = ""
-    return comments
+def meanings_of(kind: type) -> dict[str, str]:
+    """Return what is said of each field of a class, those of its bases in our modules included."""
+    ours = [one for one in reversed(kind.__mro__) if one.__module__.startswith("wildscav")]
+    written = [one for one in ours if getattr(sys.modules[one.__module__], one.__name__, None) is one]
+    return {field.name: field.meaning for one in written for field in fields_of(one)}
 
 
-def _lines_of(node: ast.stmt) -> range:
-    """Return the lines of a statement, the last one first."""
-    return range(node.end_lineno or node.lineno, node.lineno - 1, -1)
+def _body(kind: type) -> Iterator[tuple[ast.stmt, str]]:
+    """Iterate over the statements in the body of a class, with what is said of each."""
+    source = textwrap.dedent(inspect.getsource(kind))
+    (definition,) = ast.parse(source).body
+    assert isinstance(definition, ast.ClassDef)  # noqa: S101 - what a class's source is
+    lines = source.splitlines()
+    for node in definition.body:
+        yield node, meaning_of(lines, node.lineno, node.end_lineno or node.lineno)
 
 
 def _entry(module: str, name: str) -> Iterator[str]:
@@ -169,7 +156,7 @@ def _class(kind: type) -> Iterator[str]:
     yield table(
         ("field", "type", "default", ""),
         [
-            (code(field.name), code(field.type), code(field.default), field.meaning.replace("``", "`"))
+            (code(field.name), code(field.type), code(field.default), prose(field.meaning))
             for field in fields_of(kind)
         ],
     )
@@ -210,14 +197,18 @@ def _type(annotation: object) -> str:
 def _default(value: ast.expr | None) -> str:
     if value is None:
         return ""
-    text = ast.unparse(value)
-    return {"field(default_factory=dict)": "{}"}.get(text, text)
+    if isinstance(value, ast.Call) and ast.unparse(value.func) in ("field", "Field"):
+        given = {one.arg: one.value for one in value.keywords}
+        factory = given.get("default_factory")
+        value = factory.body if isinstance(factory, ast.Lambda) else given.get("default", factory)
+    text = ast.unparse(value) if value else ""
+    return {"dict": "{}", "list": "[]"}.get(text, text)
 
 
 def _text(docstring: str) -> str:
     """Return a docstring in Google's style as Markdown: its sections become lists."""
     lines, section = [], ""
-    for line in docstring.replace("``", "`").splitlines():
+    for line in prose(docstring).splitlines():
         found = SECTION.match(line)
         if found:
             section = found[1]

@@ -1,5 +1,6 @@
 """The page of every sensor, from the registry: options with their ranges, and each number of a reading."""
 
+import json
 from collections.abc import Iterator
 from inspect import getdoc
 from typing import Literal, get_args, get_origin
@@ -8,8 +9,8 @@ from annotated_types import Ge, Gt, Le
 
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.sensors.base import Sensor
-from wildscav_website.markdown import code, table
-from wildscav_website.sdk import fields_of
+from wildscav_website.markdown import code, number, prose, table
+from wildscav_website.sdk import meanings_of
 
 HEAD = """# Every sensor
 
@@ -25,33 +26,39 @@ def page() -> str:
 
 def _entry(name: str, kind: type[Sensor]) -> Iterator[str]:
     sensor = kind()
-    yield f"## {name}\n\n{(getdoc(kind) or '').replace('``', '`')}\n"
-    shape = f"the shape {code(sensor.space.shape)} and the type {sensor.space.dtype}"
-    yield f"A reading of {code(kind.__name__)} has {shape}, by default.\n"
+    yield f"## {name}\n\n{prose(getdoc(kind) or '')}\n"
+    shape, size = shape_of(sensor), sensor.space.shape
+    by_default = "" if shape == str(size) else f", by default {code(size)}"
+    reading = f"the type {sensor.space.dtype} and the shape {code(shape)}{by_default}"
+    yield f"A reading of {code(kind.__name__)} has {reading}.\n"
     meanings = meanings_of(kind)
     options = (
-        (code(one), code(repr(getattr(sensor, one))), range_of(kind, one), meanings[one])
+        (code(one), code(json.dumps(getattr(sensor, one))), range_of(kind, one), meanings[one])
         for one in kind.__pydantic_fields__  # type: ignore[attr-defined]
     )
     yield table(("option", "default", "range", "what it is"), options)
     numbers = (
-        (str(place), one.name, one.unit, f"{one.low:g}", f"{one.high:g}", one.meaning)
+        (str(place), one.name, one.unit, number(one.low), number(one.high), one.meaning)
         for place, one in enumerate(sensor.columns)
     )
     yield table(("no.", "number", "unit", "min", "max", "what it is"), numbers)
 
 
-def meanings_of(kind: type[Sensor]) -> dict[str, str]:
-    """Return what the comment beside each option says, those of base classes included."""
-    bases = [base for base in reversed(kind.__mro__) if issubclass(base, Sensor)]
-    return {field.name: field.meaning for base in bases for field in fields_of(base)}
+def shape_of(sensor: Sensor) -> str:
+    """Return the shape of readings, with the names of the options that set it."""
+    sizes = [str(size) for size in sensor.space.shape]
+    for option in type(sensor).__pydantic_fields__:  # type: ignore[attr-defined]
+        if type(value := getattr(sensor, option)) is int:
+            other = type(sensor)(**{option: value - 1}).space.shape
+            sizes = [option if other[at] != sensor.space.shape[at] else size for at, size in enumerate(sizes)]
+    return f"({', '.join(sizes)}{',' * (len(sizes) == 1)})"
 
 
 def range_of(kind: type[Sensor], option: str) -> str:
     """Say what an option may be."""
     field = kind.__pydantic_fields__[option]  # type: ignore[attr-defined]
     if field.annotation is bool:
-        return "True, False"
+        return "true, false"
     if get_origin(field.annotation) is Literal:
         return ", ".join(f'"{word}"' for word in get_args(field.annotation))
     (least,) = [limit for limit in field.metadata if isinstance(limit, Ge | Gt)]

@@ -6,7 +6,7 @@ from typing import Any
 from wildscav_language.calls import Reason, Tool
 from wildscav_language.mcp_server.desk import ACTS
 from wildscav_language.tools import TOOLS
-from wildscav_website.markdown import code, sentence, table
+from wildscav_website.markdown import code, sentence, table, type_of
 from wildscav_website.sdk import values_of
 
 HEAD = """# Tools
@@ -40,18 +40,7 @@ def _entry(name: str, about: str, schema: Mapping[str, Any]) -> str:
 
 def _arguments(schema: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
     for name, field in schema.get("properties", {}).items():
-        kinds = [_kind(one) for one in field.get("anyOf", [field]) if one.get("type") != "null"]
+        kinds = [type_of(one) for one in field.get("anyOf", [field]) if one.get("type") != "null"]
         default = field.get("default")
         about = sentence(field.get("description", ""))
         yield code(name), " or ".join(kinds), code("" if default is None else default), about
-
-
-def _kind(schema: Mapping[str, Any]) -> str:
-    """Return the allowed values in a few words."""
-    if "enum" in schema or "const" in schema:
-        return ", ".join(map(code, schema.get("enum") or [schema["const"]]))
-    if schema.get("type") == "array":
-        return f"a list of: {_kind(schema['items'])}"
-    low, high = schema.get("minimum", schema.get("exclusiveMinimum")), schema.get("maximum")
-    bounds = f" from {low:g} to {high:g}" if low is not None and high is not None else ""
-    return f"{schema.get('type', 'any')}{bounds}"

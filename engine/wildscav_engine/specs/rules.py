@@ -36,27 +36,27 @@ def _senses_by_name(value: Any) -> Any:
 class Rules(NamedTuple):
     """The rules that an organizer may change between matches."""
 
-    # Motion
+    # Motion:
     water_speed_factor: Annotated[float, Field(gt=0, le=1)] = 0.5
-    # Body
+    # Body:
     start_health: Annotated[int, Field(ge=1, le=10_000)] = 100  # hp
     respawn_time: Annotated[float, Field(gt=0, le=600)] = 10.0  # s
     invincible_time: Annotated[float, Field(ge=0, le=600)] = 10.0  # s, after a respawn
-    # Weapon
+    # Weapon:
     clip_size: Annotated[int, Field(ge=1, le=1000)] = 15
     spare_ammo: Annotated[int, Field(ge=0, le=100_000)] = 60
     shot_damage: Annotated[int, Field(ge=0, le=10_000)] = 20  # hp
     fire_interval: Annotated[float, Field(gt=0, le=60)] = 0.2  # s
     reload_time: Annotated[float, Field(gt=0, le=60)] = 2.0  # s
     bullet_range: Annotated[float, Field(gt=0, le=2000)] = 200.0  # m
-    # Supplies
+    # Supplies:
     pick_up_distance: Annotated[float, Field(gt=0, le=20)] = 1.5  # m, from the soles to the box
     supply_loss: Annotated[float, Field(ge=0, le=1)] = 0.5  # share dropped on death
-    # Sight
+    # Sight:
     supply_sight: Annotated[float, Field(ge=0, le=200)] = 20.0  # m, no occlusion
     target_sight: Annotated[float, Field(ge=0, le=200)] = 20.0  # m, within which a hidden target is found
     view_angle: Annotated[float, Field(gt=0, lt=180)] = 90.0  # degrees horizontally, 9/16 of that vertically
-    # Goals
+    # Goals:
     target_distance: Annotated[float, Field(gt=0, le=20)] = 1.0  # m, from the soles to the target
     # Added after the first release: a spec contains these only where they differ from the defaults.
     senses: Annotated[int, BeforeValidator(_senses_by_name)] = int(Senses.ORIGINAL)  # in specs by name

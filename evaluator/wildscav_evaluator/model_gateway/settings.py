@@ -36,8 +36,8 @@ class ModelSettings(BaseModel):
     cache_salt: bool = False  # whether each seat gets its own cache of prompts; vLLM knows this field
     timeout: Seconds = 120.0  # s for an answer
     retries: Annotated[int, Field(ge=0, le=10)] = 2  # of a request that the server failed
-    # The budget of a seat in a match.
-    requests: Count = 2_000
+    # The budget of a seat in a match:
+    requests: Count = 2_000  # that it may send
     tokens: Count = 1_000_000  # of prompts and answers
     seconds: Seconds = 7_200.0  # s in which the model's server worked on its requests
     money: Amount | None = None  # in the currency of the prices

@@ -77,7 +77,7 @@ class MetricInfo(FileModel):
 
     name: str
     title: str
-    unit: str
+    unit: str  # empty: none
     lower_is_better: bool
 
 
@@ -103,9 +103,8 @@ class SeatRow(WithOptionalFields):
     omitted = ("submission", "team")
 
     seat: int
-    # In a tournament: the entrant whose seat it is, and the seat's team. Omitted in an evaluation.
-    submission: str | None = None
-    team: int | None = None
+    submission: str | None = None  # in a tournament, the entrant whose seat it is; omitted in an evaluation
+    team: int | None = None  # in a tournament, the seat's; omitted in an evaluation
     # The outcome: "finished", "timed_out", "crashed", "out_of_memory", "protocol_error", "over_budget",
     # "disqualified" or "never_joined".
     status: str
@@ -117,7 +116,7 @@ class SeatRow(WithOptionalFields):
     actions: int = 0  # answers of the agent that came in time
     invalid_actions: int = 0  # those with a number out of its range, played as no action
     ignored_fields: int = 0  # fields that were set although the track has no such action, in all actions
-    metrics: dict[str, float] = Field(default_factory=dict)
+    metrics: dict[str, float] = Field(default_factory=dict)  # by name
     log: str | None = None  # path in the output folder: what its agent printed
 
 
@@ -291,11 +290,11 @@ class ModelTerms(FileModel):
     extra: dict[str, JsonValue] = Field(default_factory=dict)  # more fields of every request
     timeout: float  # s for an answer
     requests: int  # of a seat in a match
-    tokens: int  # likewise, of prompts and answers
-    seconds: float  # likewise
-    money: float | None = None  # likewise
-    prompt_price: float = 0.0  # of a million tokens
-    answer_price: float = 0.0  # likewise
+    tokens: int  # of prompts and answers, of a seat in a match
+    seconds: float  # s that its server works for a seat in a match
+    money: float | None = None  # of a seat in a match
+    prompt_price: float = 0.0  # of a million tokens of prompts
+    answer_price: float = 0.0  # of a million tokens of answers
 
     def __str__(self) -> str:
         """Return which model it is, in a few words."""

@@ -19,7 +19,7 @@ class ErrorView(View):
     """Why a request was refused."""
 
     error: str  # one line
-    status: int
+    status: int  # of HTTP
 
 
 # What a route that answers with text or a file is described with, as its refusals are documents all the same.
@@ -34,11 +34,11 @@ REFUSALS: dict[int | str, dict[str, Any]] = {
 class QuotaView(View):
     """What a team has used of its quota."""
 
-    per_day: int
+    per_day: int  # submissions that it may hand in on a day
     used_today: int
     left_today: int
-    resets: datetime
-    active_per_track: int
+    resets: datetime  # when the next day begins
+    active_per_track: int  # submissions that may take part on a track at once
     active: dict[str, int]  # by track
     archive: int  # MiB of an archive, at most
 
@@ -46,11 +46,11 @@ class QuotaView(View):
 class TeamView(View):
     """A team."""
 
-    name: str
-    title: str
+    name: str  # in addresses
+    title: str  # as people read it
     created: datetime
-    disqualified: str | None
-    members: list[str]
+    disqualified: str | None  # why, if it is
+    members: list[str]  # names of accounts
 
 
 class TeamRow(TeamView):
@@ -64,7 +64,7 @@ class AccountView(View):
     """Whoever asks."""
 
     name: str
-    role: str
+    role: str  # "competitor" or "organizer"
     team: TeamView | None
     quota: QuotaView | None
 
@@ -74,14 +74,14 @@ class NewAccount(BaseModel):
 
     name: str
     password: str
-    invitation: str | None = None
+    invitation: str | None = None  # the key of one, where the season asks for it
 
 
 class NewAccountView(View):
     """A new account, with its first token, which is shown once."""
 
     name: str
-    role: str
+    role: str  # "competitor" or "organizer"
     token: str
 
 
@@ -90,7 +90,7 @@ class NewToken(BaseModel):
 
     name: str
     password: str
-    label: str = "token"
+    label: str = "token"  # by which you tell your tokens apart
 
 
 class NewTokenView(View):
@@ -105,14 +105,14 @@ class TokenView(View):
     id: int
     label: str
     created: datetime
-    used: datetime | None
+    used: datetime | None  # the last time, if ever
 
 
 class NewTeam(BaseModel):
     """What is needed to make a team."""
 
     name: str
-    title: str = ""
+    title: str = ""  # as people read it; empty: the name
 
 
 class NewTeamView(View):
@@ -138,8 +138,8 @@ class TransitionView(View):
     """A step from one state to the next."""
 
     at: datetime
-    state: str
-    detail: str
+    state: str  # the next one
+    detail: str  # why
 
 
 class SubmissionView(View):
@@ -150,26 +150,26 @@ class SubmissionView(View):
     team_title: str  # as people read it
     name: str
     version: str
-    message: str
-    tracks: list[str]
-    digest: str
-    size: int
+    message: str  # of its team
+    tracks: list[str]  # for which it was handed in
+    digest: str  # of its files
+    size: int  # bytes of its archive
     created: datetime
     state: str
     playing: list[str]  # the tracks on which it takes part
     kept: bool  # whether no later one replaces it unasked
     replaces: dict[str, int] = {}  # by track, what will leave it, as things are now; not in lists
-    since: datetime
-    deadline: datetime | None
-    queue_position: int | None = None
+    since: datetime  # of its state
+    deadline: datetime | None  # by when its state ends
+    queue_position: int | None = None  # while it waits
     expected_wait: float | None = None  # s
     validation: str = ""  # how far it is, in one line; not in lists
-    charged: bool
-    platform_faults: int
-    fault: str | None
-    reason: str | None = None
-    last_lines: list[str] = []
-    command: str | None = None
+    charged: bool  # whether it counts against the quota
+    platform_faults: int  # attempts that the platform broke
+    fault: str | None  # whose fault it is that it failed
+    reason: str | None = None  # why it failed
+    last_lines: list[str] = []  # that it printed
+    command: str | None = None  # with which you get the same on your machine
     history: list[TransitionView] = []
     progress: list[ProgressView] = []  # on each of its tracks, while it takes part; not in lists
     totals: list[TotalsView] = []  # on each suite whose matches are all over; not in lists
@@ -198,15 +198,15 @@ class SeatView(View):
     submission: int | None
     team: str | None
     team_title: str | None
-    status: str | None = None
-    fault: str | None = None
-    detail: str | None = None
+    status: str | None = None  # the outcome, as in results.json
+    fault: str | None = None  # whose fault it is, if something went wrong
+    detail: str | None = None  # what went wrong, in one line
     metrics: dict[str, float] | None = None
     place: int | None = None  # on a ladder, from 1; None where not every seat's outcome can be seen
     latency_p50: float | None = None  # s
-    latency_p99: float | None = None
-    latency_max: float | None = None
-    late_steps: int | None = None
+    latency_p99: float | None = None  # s
+    latency_max: float | None = None  # s
+    late_steps: int | None = None  # steps without an answer in time
 
     @property
     def who(self) -> str:
@@ -224,8 +224,8 @@ class MatchView(View):
     state: str
     since: datetime | None  # None where how long it took is hidden
     created: datetime
-    detail: str
-    platform_faults: int
+    detail: str  # what went wrong, in one line
+    platform_faults: int  # attempts that the platform broke
     judging: int  # more than 1 where organizers had it played again
     superseded: datetime | None  # since when a later judging counts in its place
     seats: list[SeatView]
@@ -239,7 +239,7 @@ class MatchList(View):
     """Matches, the newest first."""
 
     matches: list[MatchView]
-    next: str | None
+    next: str | None  # the address of those that come after them
 
 
 class AnnouncementView(View):
@@ -257,11 +257,11 @@ class TrackView(View):
 
     name: str
     edition: int | None  # that is in force; None before the conductor has run
-    mode: str
-    suite: str
-    rounds: int
-    seats: int
-    robots: list[str]
+    mode: str  # "suite" or "ladder"
+    suite: str  # from which its matches are
+    rounds: int  # of the suite
+    seats: int  # entrants in a match
+    robots: list[str]  # that take part as entrants
 
 
 class CountsView(View):
@@ -288,20 +288,20 @@ class SeasonView(View):
     opens: datetime
     freezes: datetime | None
     closes: datetime
-    registration: str
+    registration: str  # "open" or "invited"
     commitment: str  # SHA-256 of the secret from which all seeds follow
     final_commitment: str  # SHA-256 of the secret of the matches that decide the season
     opened: str | None  # the secret, once it is opened
-    final_opened: str | None
+    final_opened: str | None  # that of the final matches, likewise
     paused: str | None  # why, if it is
-    frozen: bool
-    finalized: bool
+    frozen: bool  # whether the public boards stay as they are
+    finalized: bool  # whether the boards are final
     versions: dict[str, Any]
     tracks: list[TrackView]
     announcements: list[AnnouncementView]
     # Only where the season itself is asked for:
-    counts: CountsView | None = None
-    validation: ValidationView | None = None
+    counts: CountsView | None = None  # how much is going on
+    validation: ValidationView | None = None  # how submissions are validated
 
 
 class PointView(View):
@@ -310,12 +310,12 @@ class PointView(View):
     at: datetime
     team: str | None = None  # if the history of a team was asked for
     submission: int
-    rank: int
-    last_rank: int
-    score: float
-    low: float
+    rank: int  # the best that it may have had
+    last_rank: int  # the worst
+    score: float  # on a ladder the rating
+    low: float  # of its 95 % interval
     high: float
-    matches: int
+    matches: int  # played
 
 
 class EntrantView(View):
@@ -351,10 +351,10 @@ class OpponentView(View):
     """How a submission did against an opponent."""
 
     opponent: EntrantView
-    wins: int
+    wins: int  # of the submission
     ties: int
     losses: int
-    share: float
+    share: float  # of the points, where a tie is half a point
 
 
 class WebhookView(View):
@@ -363,7 +363,7 @@ class WebhookView(View):
     id: int
     url: str
     created: datetime
-    disabled: str | None
+    disabled: str | None  # why, if it is
 
 
 class NewWebhook(BaseModel):
@@ -384,7 +384,7 @@ class AuditEntryView(View):
 
     id: int
     at: datetime
-    actor: str
+    actor: str  # who did it
     act: str
-    subject: str
+    subject: str  # to whom or what
     detail: str

@@ -95,8 +95,9 @@ class ModelSettings:
         log = {"log": Path(table["log"])} if isinstance(table.get("log"), str) else {}
         return cls(**(dict(table) | log))
 
-    def in_environment(self, environment: Mapping[str, str] = os.environ) -> Self:
-        """Return these settings with the address and the key that the environment has."""
+    def in_environment(self, environment: Mapping[str, str] | None = None) -> Self:
+        """Return these settings with the address and the key in an environment, by default the process's."""
+        environment = os.environ if environment is None else environment
         found: dict[str, Any] = {}
         for variable in reversed(ADDRESS_VARIABLES):
             if environment.get(variable):

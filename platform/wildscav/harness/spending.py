@@ -12,9 +12,9 @@ class Ending(StrEnum):
     """Why a model plays no more."""
 
     MATCH_OVER = "match_over"  # the match is over
-    OUT_OF_TOKENS = "out_of_tokens"  # a budget of its settings is spent, as in the next two
-    OUT_OF_SECONDS = "out_of_seconds"
-    OUT_OF_MONEY = "out_of_money"
+    OUT_OF_TOKENS = "out_of_tokens"  # the tokens of its settings are spent
+    OUT_OF_SECONDS = "out_of_seconds"  # the seconds of its settings are spent
+    OUT_OF_MONEY = "out_of_money"  # the money of its settings is spent
     OUT_OF_QUOTA = "out_of_quota"  # the server or the gateway says that its budget is spent
     MODEL_FAILED = "model_failed"  # its server gave no answer, however often it was asked
     REQUEST_REFUSED = "request_refused"  # its server does not take such requests

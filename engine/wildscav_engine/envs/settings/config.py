@@ -39,10 +39,8 @@ MAX_TEAMMATES = 7  # in the default observations of a learner, the nearest ones
 class EnvConfig(Spec):
     """The options of an environment: map, players, duration, rules, observations, actions and rewards."""
 
-    track: str
-    map: Maps | None = (
-        None  # numbers, a MapSpec, or a MapConfig for random maps of its kind; None: of the level
-    )
+    track: str  # by name
+    map: Maps | None = None  # numbers, a MapSpec, or a MapConfig for random ones; None: of the level
     level: Level = "normal"  # how hard random maps are, from "easy" to "expert"
     split: Split = "train"  # which seeds to use: "train" or "test"
     random_maps: Annotated[int, Field(ge=1, le=100_000)] = 64  # their number; each episode is played on one
@@ -57,9 +55,7 @@ class EnvConfig(Spec):
     opponents: tuple[PlayerEntry, ...] | None = None  # who plays against the learners; None: as in the track
     teams: tuple[int, ...] | None = None  # None: one a seat; learners share one in capture or with teammates
     # Duration and rules.
-    time_limit: Annotated[float, Field(gt=0, le=86_400)] | None = (
-        None  # s of game time; None: as in the track
-    )
+    time_limit: Annotated[float, Field(gt=0, le=86_400)] | None = None  # s of game time; None: the track's
     frames_per_action: Annotated[int, Field(ge=1, le=50)] = 5  # frames of 1/50 s for which an action is held
     rules: RulesField = Rules()  # those that differ from the default, or their name: "original" or "fair"
     supplies: SupplyConfig | None = None  # as in a MatchSpec; None: the default of the map or the track
@@ -76,13 +72,9 @@ class EnvConfig(Spec):
     all_metrics: bool = False  # in infos: also those that take long to measure, such as SPL
     # Rendering and execution.
     render_mode: RenderMode | None = None  # "human": a window; "rerun": a live view in 3D
-    render_view: RenderView = (
-        "eyes"  # through the first learner's eyes, it from behind, or the map from the top
-    )
+    render_view: RenderView = "eyes"  # of the first learner; "behind" it; or the map from the "top"
     render_size: tuple[Width, Height] | None = None  # pixels; None: 320 × 180, of a window 960 × 540
-    threads: Annotated[int, Field(ge=1, le=1024)] = (
-        1  # for large batches and images; results do not depend on it
-    )
+    threads: Annotated[int, Field(ge=1, le=1024)] = 1  # for large batches and images; results stay equal
 
     @field_validator("teammates", "opponents", mode="before")
     @classmethod

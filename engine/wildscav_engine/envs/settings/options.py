@@ -46,15 +46,15 @@ class EnvOptions(EpisodeOptions, total=False):
     """The options of an environment besides its track: these and ``EpisodeOptions``. All are optional."""
 
     preset: str | None  # a preset to start from, a name in ``PRESETS``, or of a ladder
-    # Seats
+    # Seats:
     agents: int
     teammates: Sequence[Entry]
     opponents: Sequence[Entry] | None
     teams: Sequence[int] | None
-    # Duration and rules
+    # Duration and rules:
     frames_per_action: int
     rules: Rules | RulesName | Table
-    # Observations, actions and rewards
+    # Observations, actions and rewards:
     version: Version
     sensors: Mapping[str, Table] | None
     observers: Mapping[str, Observer]
@@ -62,7 +62,7 @@ class EnvOptions(EpisodeOptions, total=False):
     action_mode: ActionMode
     flat: bool
     all_metrics: bool
-    # Rendering and execution
+    # Rendering and execution:
     render_mode: RenderMode | None
     render_view: RenderView
     render_size: tuple[int, int] | None

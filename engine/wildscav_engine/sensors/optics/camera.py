@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 class ColorCamera(PinholeCamera):
     """Images in red, green and blue."""
 
-    width: Annotated[int, Field(ge=1, le=1920)] = 160  # pixels
-    height: Annotated[int, Field(ge=1, le=1080)] = 90  # pixels
+    width: Annotated[int, Field(ge=1, le=1920)] = 160  # pixels in a row
+    height: Annotated[int, Field(ge=1, le=1080)] = 90  # rows of pixels
     far: Annotated[float, Field(ge=0.01, le=2000)] = 300.0  # m, where everything has faded into the haze
     field_of_view: Annotated[float, Field(ge=1, le=170)] = 75.0  # degrees, horizontally
     shadows: bool = True  # whether objects cast shadows

@@ -36,11 +36,9 @@ class Lidar(ImageSensor):
     dtype: ClassVar[type[np.generic]] = np.float32
     ray_time: ClassVar[int] = 40
 
-    channels: Annotated[int, Field(ge=1, le=128)] = (
-        16  # rings; a single one is halfway between the elevations
-    )
+    channels: Annotated[int, Field(ge=1, le=128)] = 16  # rings; a single one is halfway between the two ends
     azimuths: Annotated[int, Field(ge=1, le=3600)] = 360  # columns of a full turn
-    range: Annotated[float, Field(ge=0.01, le=2000)] = 100.0  # m
+    range: Annotated[float, Field(ge=0.01, le=2000)] = 100.0  # m; nothing farther is seen
     lowest: Elevation = -15.0  # degrees above the horizon, of the lowest ring
     highest: Elevation = 15.0  # degrees above the horizon, of the highest ring
     moving: bool = False  # whether agents and supply boxes are visible

@@ -29,9 +29,9 @@ def _half_width(field_of_view: float) -> float:
 class PinholeCamera(ImageSensor):
     """A camera with its resolution, field of view and range."""
 
-    width: Annotated[int, Field(ge=1, le=1920)] = 38  # pixels
-    height: Annotated[int, Field(ge=1, le=1080)] = 22  # pixels
-    far: Annotated[float, Field(ge=0.01, le=2000)] = 100.0  # m along the ray, its range
+    width: Annotated[int, Field(ge=1, le=1920)] = 38  # pixels in a row
+    height: Annotated[int, Field(ge=1, le=1080)] = 22  # rows of pixels
+    far: Annotated[float, Field(ge=0.01, le=2000)] = 100.0  # m along the ray; nothing farther is seen
     field_of_view: Annotated[float, Field(ge=1, le=170)] = 60.0  # degrees, horizontally
 
     channels: ClassVar[tuple[int, ...]] = ()  # lengths of the axes after height and width

@@ -24,7 +24,7 @@ class Screen(ColorCamera):
     Views from other places than the eyes of an agent have no display.
     """
 
-    height: Annotated[int, Field(ge=1, le=1080)] = 120  # pixels
+    height: Annotated[int, Field(ge=1, le=1080)] = 120  # rows of pixels
 
     name: ClassVar[str] = "screen"
     title: ClassVar[str] = "what a person who plays sees: the camera's image with a display over it, 0-255"

@@ -55,11 +55,8 @@ def _write_other(
 class VisibleAgents(StateSensor):
     """The nearest agents in sight: what ``agents`` of an observation lists.
 
-    Each row describes one agent, nearest first. Its columns are 1; its seat; its team; its position relative
-    to the agent's soles in the axes of the world (x east, y up, z north, m); its distance (m); its velocity
-    (x, y, z, m/s); its yaw (degrees in (-180, 180], 0 looks along +z, clockwise); its health (hp); and 1 if
-    it is invincible. Unused rows are 0. ``visibility.py`` decides which agents are in sight. Velocity and
-    health are 0 unless the rule ``senses`` is ``original``.
+    Each row describes one agent, nearest first. ``visibility.py`` decides which agents are in sight. Velocity
+    and health are 0 unless the rule ``senses`` is ``original``.
     """
 
     name: ClassVar[str] = "visible_agents"
@@ -77,7 +74,7 @@ class VisibleAgents(StateSensor):
         Column("invincible", "0 or 1", 0, 1, "whether it is invincible now"),
     )
 
-    limit: Annotated[int, Field(ge=1, le=AGENT_LIMIT)] = AGENT_LIMIT  # rows
+    limit: Annotated[int, Field(ge=1, le=AGENT_LIMIT)] = AGENT_LIMIT  # rows: agents, the nearest ones
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 13)."""
@@ -114,9 +111,7 @@ def _write_agents(
 class Teammates(StateSensor):
     """The nearest teammates: agents know their positions and condition, in sight or not.
 
-    Each row describes one teammate, nearest first; at equal distance, the lower seat comes first. Its columns
-    are 1; its seat; its position, distance, velocity and yaw as in ``visible_agents``; its health (hp, 0 if
-    dead); 1 if it is invincible; and the supplies that it carries. Unused rows are 0.
+    Each row describes one teammate, nearest first; at equal distance, the lower seat comes first.
     """
 
     name: ClassVar[str] = "teammates"
@@ -134,7 +129,7 @@ class Teammates(StateSensor):
         Column("supplies", "", 0, MAX_SUPPLIES, "supplies that it carries"),
     )
 
-    limit: Annotated[int, Field(ge=1, le=64)] = 7  # rows
+    limit: Annotated[int, Field(ge=1, le=64)] = 7  # rows: teammates, the nearest ones
 
     def read_batch(
         self,

@@ -39,10 +39,8 @@ def _write_compass(agents: Agents, matches: Matches, match: int, seat: int, row:
 class Compass(ScalarSensor):
     """Direction and distance of the target.
 
-    Five numbers: 1 if the agent knows a target; the sine and the cosine of its bearing, which is the angle
-    clockwise from the agent's yaw (0 and 1 straight ahead, 1 and 0 to the right; both 0 directly above or
-    below the target); its horizontal distance in m; and its height above the agent's soles in m. All are 0 if
-    the track has no target, or while the target is hidden from the agent's team.
+    Sine and cosine are both 0 directly above or below the target. All numbers are 0 if the track has no
+    target, or while the target is hidden from the agent's team.
 
     Unlike an angle, the sine and cosine are continuous where the target is behind the agent.
     """
@@ -121,10 +119,8 @@ def _write_hot_spot(
 class HotSpotSensor(ScalarSensor):
     """The hot spot, a rich place that moves: where it is, where it comes next, and when.
 
-    Nine numbers: 1 if the hot spot is at a place; that place relative to the agent (x east and z north, m)
-    and its horizontal distance (m); the same four numbers of the next place; and the time until the hot spot
-    comes there (s). The first four are 0 before it comes to its first place, the others from its last place
-    on. All are 0 if the match has no hot spot.
+    The first four numbers are 0 before it comes to its first place, the others from its last place on. All
+    are 0 if the match has no hot spot.
     """
 
     name: ClassVar[str] = "hot_spot"
@@ -162,9 +158,7 @@ def _write_to_hot_spot(
 class ToHotSpot(ScalarSensor):
     """The ways to the hot spot and to its next place, relative to the agent's yaw.
 
-    Nine numbers: 1 if the hot spot is at a place; the direction there, a unit vector to the right of the yaw
-    and along it; the logarithm of its horizontal distance; the same four numbers of the next place; and the
-    time until the hot spot comes there (s). What is not known is 0, as in the sensor ``hot_spot``.
+    What is not known is 0, as in the sensor ``hot_spot``.
     """
 
     name: ClassVar[str] = "to_hot_spot"
@@ -202,10 +196,8 @@ def _write_to_waves(
 class ToWaves(ScalarSensor):
     """The ways to the centres of the latest wave of supplies and of the next one, relative to the yaw.
 
-    Nine numbers: 1 if a wave has appeared; the direction of the latest one's centre, a unit vector to the
-    right of the yaw and along it; the logarithm of its horizontal distance; the same four numbers of the next
-    wave; and the time until it appears (s). What is not known is 0. The places of the hot spot are among the
-    waves, as in what all agents are told before the match.
+    What is not known is 0. The places of the hot spot are among the waves, as in what all agents are told
+    before the match.
     """
 
     name: ClassVar[str] = "to_waves"

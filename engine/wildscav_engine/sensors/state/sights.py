@@ -53,8 +53,8 @@ class Sights(StateSensor):
         Column("invincible", "0 or 1", 0, 1, "whether it is invincible now"),
     )
 
-    limit: Annotated[int, Field(ge=1, le=AGENT_LIMIT)] = 2  # rows
-    lead: Annotated[float, Field(ge=0, le=2)] = 0.1  # s
+    limit: Annotated[int, Field(ge=1, le=AGENT_LIMIT)] = 2  # rows: enemies, the nearest ones
+    lead: Annotated[float, Field(ge=0, le=2)] = 0.1  # s from now to "soon" in the columns
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
         """Return (B, len(seats), limit, 10)."""

@@ -26,18 +26,16 @@ CLIMB = 4.0  # m of level walking that take as long as a metre of height, by sta
 class NearbySupplies(StateSensor):
     """The nearest supply boxes: what ``supply_boxes`` of an observation lists.
 
-    Each row describes one box, nearest first: 1, the supplies in it, its position relative to the agent's
-    soles in the axes of the world (x east, y up, z north, m), and its distance (m). Unused rows are 0.
-    Obstacles do not hide boxes from the original ``senses``. Boxes farther away than the rule
-    ``supply_sight`` are never listed, whatever ``range`` is.
+    Each row describes one box, nearest first. Obstacles do not hide boxes from the original ``senses``. Boxes
+    farther away than the rule ``supply_sight`` are never listed, whatever ``range`` is.
     """
 
     name: ClassVar[str] = "nearby_supplies"
     sight: ClassVar[Sight] = "own"
     title: ClassVar[str] = "nearby supply boxes: present, quantity, position from the soles, m, distance, m"
 
-    range: Annotated[float, Field(gt=0, le=200)] = 20.0  # m
-    limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = SUPPLY_LIMIT  # rows
+    range: Annotated[float, Field(gt=0, le=200)] = 20.0  # m, nothing farther is listed
+    limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = SUPPLY_LIMIT  # rows: boxes, the nearest ones
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -93,9 +91,7 @@ def _write_boxes(
 class ToSupplies(StateSensor):
     """The ways to the supply boxes that are most worth a walk, relative to the agent's yaw.
 
-    Each row describes one box: 1; the direction there, a unit vector to the right of the yaw and along it;
-    how far it is above the agent's soles (m); the logarithm of its distance; and that of the supplies in it.
-    Unused rows are 0. Obstacles do not hide boxes from the original ``senses``.
+    Each row describes one box. Obstacles do not hide boxes from the original ``senses``.
 
     The first row has the box with the least effort relative to its worth, (s + d + 4 |h|) / q^w, where s is
     the option ``start_up``, d the horizontal distance (m), h the height (m), q the supplies in it, and w the
@@ -117,10 +113,8 @@ class ToSupplies(StateSensor):
         Column("log quantity", "", 0, 22, "logarithm of 1 + the supplies in it"),
     )
 
-    limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = 3  # rows
-    worth: Annotated[float, Field(ge=0, le=2)] = (
-        0.6  # exponent of the supplies in a box; 0: the nearest first
-    )
+    limit: Annotated[int, Field(ge=1, le=SUPPLY_LIMIT)] = 3  # rows: boxes, those most worth a walk
+    worth: Annotated[float, Field(ge=0, le=2)] = 0.6  # exponent of the supplies; 0: the nearest first
     start_up: Annotated[float, Field(ge=0, le=100)] = 3.0  # m added to every way: even a near box takes time
 
     def read_batch(self, state: "State", seen: "Seen", seats: NDArray[np.int64]) -> NDArray[np.float32]:
