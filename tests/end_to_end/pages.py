@@ -16,6 +16,7 @@ from tests.commands import run_command
 from wildscav.cli import main
 
 ROOT = Path(__file__).parents[2]
+APART = ("metrics", "limits", "figures", "missing")  # what stands in them has names of its own
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -66,3 +67,13 @@ def _documents(command: Any, path: str) -> Iterator[tuple[str, set[str]]]:
         assert told, f"the help of `wildscav {path}` has no paragraph that begins with `With --json: `"
         for about, fields in told:
             yield f"{path} {about}".strip(), set(re.findall(r"`(\w+)`", fields))
+
+
+def names(document: object) -> set[str]:
+    """Every field of a document of ``--json``."""
+    if isinstance(document, dict):
+        inner = [names(value) for key, value in document.items() if key not in APART]
+        return set(document).union(*inner)
+    if isinstance(document, list):
+        return set().union(*map(names, document))
+    return set()

@@ -1,16 +1,18 @@
 """What the help of commands says of --json is true: the fields that their documents have."""
 
 import json
+import re
 from dataclasses import fields
 from pathlib import Path
 
 import pytest
 from tests.commands import run_command
-from tests.end_to_end.pages import json_documents
+from tests.end_to_end.pages import ROOT, json_documents, names
 from tests.evaluator.results_by_hand import MODEL, RESULTS
 
 from wildscav_engine.extensions import Addition, Origin
 from wildscav_evaluator.check.findings import Verdict
+from wildscav_evaluator.executors import Examined
 from wildscav_evaluator.output.results import write_results
 from wildscav_evaluator.sandbox import Promise
 from wildscav_evaluator.scores.compare import compare
@@ -20,24 +22,12 @@ from wildscav_leaderboard.publishing.export import export
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.initial_files import make_season_folder
 
-APART = ("metrics", "limits", "figures", "missing")  # what stands in them has names of its own
-
 
 def document(*arguments: object) -> dict[str, object]:
     """What a command prints with --json, and nothing else on stdout."""
     done = run_command(*arguments, "--json")
     assert done.stdout, done.stderr
     return json.loads(done.stdout)  # type: ignore[no-any-return]
-
-
-def names(document: object) -> set[str]:
-    """Every field of a document."""
-    if isinstance(document, dict):
-        inner = [names(value) for key, value in document.items() if key not in APART]
-        return set(document).union(*inner)
-    if isinstance(document, list):
-        return set().union(*map(names, document))
-    return set()
 
 
 def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
@@ -70,7 +60,16 @@ def test_the_documents_have_the_fields_told(tmp_path: Path) -> None:
     of_extensions = {*Addition._fields, *Origin._fields, "extensions"}
     of_sandboxes = {"sandboxes", "default", "promises", *(field.name for field in fields(Promise))}
     assert of_extensions | of_sandboxes == json_documents()["doctor"]
+    of_nodes = {"nodes", *(field.name for field in fields(Examined))}
+    assert of_nodes == json_documents()["doctor with --executor ray"]
     assert {verdict.value for verdict in Verdict} <= json_documents()["check"]
+
+
+def test_each_paragraph_about_documents_is_compared_with_a_document() -> None:
+    tests = [path.read_text("utf-8") for path in (ROOT / "tests").rglob("test_*.py")]
+    compared = r"""json_documents\(\)\["([\w -]+)"\]|shown\("([\w -]+)"|told="([\w -]+)\""""
+    found = {name for text in tests for match in re.findall(compared, text) for name in match}
+    assert json_documents().keys() - found == set()
 
 
 @pytest.mark.slow

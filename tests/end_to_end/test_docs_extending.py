@@ -5,10 +5,12 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
+from tests.end_to_end.pages import blocks
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
@@ -79,6 +81,16 @@ assert len(together.reset(seed=1)[0]) == 2
 assert {"crowd", "odometer"} <= {sensor.name for sensor in every_sensor()}
 print("played")
 """
+
+
+def test_the_entry_points_that_the_page_shows_are_those_of_the_hills() -> None:
+    def entry_points(text: str) -> dict[str, dict[str, str]]:
+        return tomllib.loads(text)["project"]["entry-points"]
+
+    (shown,) = blocks(ROOT / "docs" / "extending.md", "toml")
+    of_hills = entry_points((EXAMPLES / "hills" / "pyproject.toml").read_text("utf-8"))
+    for group, named in entry_points(shown).items():
+        assert named.items() <= of_hills[group].items()
 
 
 def install(project: Path, target: Path) -> None:

@@ -74,12 +74,18 @@ def test_it_tells_every_request_and_the_bounds() -> None:
     assert f"`{INTERFACE_VARIABLE}`" in text
 
 
-def test_it_tells_every_tool() -> None:
+def test_it_tells_which_tools_are_on_which_tracks() -> None:
     table = PAGE.read_text("utf-8").partition("| on tracks | tools |")[2].partition("\n\n")[0]
+    rows = [set(re.findall(r"`(\w+)`", row)) for row in table.splitlines()[2:]]
+    everywhere, with_others, with_supplies, with_weapons = rows
 
-    tools = Player(match_info(track="royale")).tools
+    def tools(track: str, seats: int) -> set[str]:
+        return {tool.name for tool in Player(match_info(track=track, seats=seats)).tools}
 
-    assert {tool.name for tool in tools} == set(re.findall(r"`(\w+)`", table))
+    assert tools("navigation", 1) == everywhere
+    assert tools("navigation", 2) == everywhere | with_others
+    assert tools("gathering", 1) == everywhere | with_supplies
+    assert tools("royale", 2) == everywhere | with_others | with_supplies | with_weapons
 
 
 def test_it_tells_the_limits() -> None:

@@ -1,17 +1,20 @@
 """What the pages of organizing say is so: every command runs as it stands, and every setting is one."""
 
+import asyncio
 import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 import typer
 from tests.end_to_end.pages import blocks
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from wildscav.cli import main
 from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_leaderboard.seasons.folder import PUBLISHED, Season
-from wildscav_leaderboard.seasons.settings import Execution, Play, SeasonSettings, Web
+from wildscav_leaderboard.seasons.settings import Execution, Play, Quotas, SeasonSettings, Web
 
 PAGE = Path(__file__).parents[2] / "docs" / "organizing.md"
 TUTORIAL = PAGE.with_name("tutorial-organizer.md")
@@ -35,6 +38,28 @@ OF_SOMEBODY = (
     "unhide",
 )
 AT_THE_END = {"finalize": ("--now", "--yes")}  # or it would wait for the date
+
+
+def test_the_file_for_nginx_lets_the_largest_archive_pass_and_says_who_asks() -> None:
+    text = (PAGE.parents[1] / "docker" / "nginx.conf").read_text("utf-8")
+    (body,) = re.findall(r"client_max_body_size (\d+)m;", text)
+    (archive,) = (one.le for one in Quotas.model_fields["archive"].metadata if hasattr(one, "le"))
+    assert int(body) > archive  # the rest of the form takes room, too
+
+    values = {"$host": b"season.example", "$scheme": b"https", "$remote_addr": b"203.0.113.9"}
+    values |= {"$http_upgrade": b"websocket", "$connection_upgrade": b"upgrade"}
+    set_headers = re.findall(r"proxy_set_header (\S+) (\S+);", text)
+    headers = {name.lower().encode(): values[value] for name, value in set_headers}
+    assert (headers[b"host"], headers[b"upgrade"]) == (b"season.example", b"websocket")
+    assert headers[b"connection"] == b"upgrade"
+    seen: dict[str, Any] = {}
+
+    async def season(scope: Any, *_: Any) -> None:
+        seen.update(scope)
+
+    proxied = {"type": "http", "scheme": "http", "client": ("127.0.0.1", 9), "headers": list(headers.items())}
+    asyncio.run(ProxyHeadersMiddleware(season, "127.0.0.1")(proxied, None, None))  # type: ignore[arg-type]
+    assert (seen["scheme"], seen["client"][0]) == ("https", "203.0.113.9")
 
 
 def words(line: str) -> list[str]:

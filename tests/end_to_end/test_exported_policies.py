@@ -12,6 +12,7 @@ import pytest
 from tests.commands import running
 from tests.end_to_end.pages import blocks, run_line
 from tests.engine.envs.common import OPEN
+from tests.leaderboard.seasons_made import make_season
 from tests.platform.helpers.policy_matches import observed, play_env
 from tests.ports import free_ports
 from typer.testing import CliRunner
@@ -30,6 +31,18 @@ PICTURES = '--option=sensors={"camera": {"width": 36, "height": 36}}'
 DOCS = Path(__file__).parents[2] / "docs"
 PATIENCE = 600  # looks at a season that plays
 BUFFER = {"learning_starts": 20, "buffer_size": 500}
+
+
+def wait_for(address: str) -> None:
+    """Wait until a site answers."""
+    for _ in range(PATIENCE):
+        try:
+            httpx.get(f"{address}/health", trust_env=False)
+        except httpx.TransportError:
+            time.sleep(0.1)
+        else:
+            return
+    raise AssertionError(address)
 
 
 @pytest.fixture(autouse=True)
@@ -154,8 +167,10 @@ def test_the_tutorial_goes_from_training_to_a_board(tmp_path: Path, monkeypatch:
         with running("watch", record, "--no-browser", until=r"(http://\S+)") as (link, _):
             assert "data-match" in httpx.get(link, trust_env=False).text
 
-    season = ("season", "demo", "--no-browser", "--matches", "0", "--port", port, "--sandbox", "process")
-    with running(*season, "--folder", tmp_path / "season", until=r"(http://\S+)") as (address, process):
+    # In place of the demo, whose matches are longer and more.
+    serve = ("season", "serve", make_season(tmp_path / "season", current=True).folder, "--port", port)
+    with running(*serve, until=r"(http://\S+)") as (address, process):
+        wait_for(address)
         for line in lines[demo + 1 :]:
             said = run_line(
                 line.replace("http://127.0.0.1:8000", address), tmp_path, *small.get(line.split()[1], ())

@@ -49,6 +49,12 @@ IN_SMALL = {
 }
 
 
+def test_each_replacement_makes_some_program_smaller() -> None:
+    names = ("pictures_ppo", "rllib_ppo", "rllib_team", "torchrl_ppo")
+    codes = [BLOCKS[0], *((EXAMPLES / f"{name}.py").read_text("utf-8") for name in names)]
+    assert [long for long in IN_SMALL if not any(long in code for code in codes)] == []
+
+
 @pytest.fixture(autouse=True)
 def one_thread() -> None:
     """Let small networks not fight for cores."""

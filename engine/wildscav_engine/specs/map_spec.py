@@ -16,7 +16,7 @@ class Placement(Spec):
 
     kind: Literal["house", "block", "tree", "bush", "rock"]  # trees, bushes and rocks may fill an area
     location: tuple[float, float]  # x, z in m, of its center
-    area: tuple[Side, Side] | None = None  # m, width and depth; None: one plant or rock, or a drawn size
+    area: tuple[Side, Side] | None = None  # m; a block needs one; None: one plant or rock, or a drawn size
     orientation: Annotated[float, Field(ge=-360, le=360)] = 0.0  # degrees, the yaw of its front
     storeys: Storeys | None = None  # of a house; None: drawn by the generator
     height: Annotated[float, Field(gt=0, le=30)] = 2.0  # m, of a block
@@ -39,10 +39,8 @@ class Country(Spec):
     thickets: Share = 1.0  # woods: hedges and trees too dense to walk through, with gaps
     canyons: Share = 1.0  # ridges of rock of 5 to 8 m, with passes
     terraces: Share = 1.0  # ground on three levels with cliffs of 4 or 8 m between them, and ramps
-    towns: Annotated[int, Field(ge=0, le=16)] = (
-        1  # walled, with narrow streets and dead ends, on level ground
-    )
-    hidden_targets: bool = True  # upstairs, in back rooms and at dead ends; ways 1.5 times the straight line
+    towns: Annotated[int, Field(ge=0, le=16)] = 1  # number: walled, level, with narrow streets and dead ends
+    hidden_targets: bool = True  # upstairs, in back rooms, at dead ends; ways of 1.5 straight lines at least
 
     @model_validator(mode="after")
     def _has_barriers(self) -> Self:
@@ -64,10 +62,7 @@ class MapConfig(Spec):
     water: Annotated[float, Field(ge=0, le=0.4)] = 0.08  # approximate share of the area under lakes
     houses: Annotated[int, Field(ge=0, le=200)] = 4  # in addition to those placed by hand
     density: Literal["low", "high"] = "low"  # scattered houses, or houses close together along streets
-    storeys: Annotated[tuple[Storeys, Storeys], Ascending] = (
-        1,
-        2,
-    )  # least and greatest number of the houses'
+    storeys: Annotated[tuple[Storeys, Storeys], Ascending] = (1, 2)  # of houses: the fewest and the most
     vegetation: Annotated[float, Field(ge=0, le=1)] = 0.4  # 0 bare, 1 dense woods
     country: Barriers = None  # with few ways through, and targets that are hard to get at; None: open country
     # So that maps for testing can hold pieces that no map for training holds:

@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from wildscav_leaderboard.boards.columns import Column
     from wildscav_leaderboard.boards.documents import BoardDocument, Row
 
-LEGEND = "Teams whose ranks overlap cannot be told apart with 95 % confidence."
+LEGEND = (
+    "A range of ranks starts below the teams that are better with 95 % confidence, and ends above the worse."
+)
 
 
 def show_boards(named: str, track: str | None, *, as_json: bool) -> None:

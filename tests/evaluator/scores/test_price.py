@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from tests.end_to_end.pages import json_documents
 from tests.evaluator.results_by_hand import scored_results, timing_of_a_seat
 from tests.evaluator.sample_agents import WALKER, Command, Submit
 from tests.evaluator.small_matches import tiny_suite
@@ -112,8 +113,13 @@ def test_the_command_plays_paused_and_at_each_pace(
             *("--paces", "4", "--think", "0.1", "--workers", "1", "--out", out, "--json"),
         )
     assert done.returncode == 0, done.stderr
-    paused, fast = json.loads(done.stdout)["points"]
+    document = json.loads(done.stdout)
+    paused, fast = document["points"]
+    left_out = {"interface", "model"}  # of agents of numbers, and of those that ask no model
+    assert document.keys() | paused.keys() | left_out == json_documents()["price"]
     assert paused["thinking"] >= 0.1
     assert fast["delay"] >= 0.4
     assert {path.name for path in out.iterdir()} == {"paused", "pace-4", "price.json", "price.png"}
-    assert wildscav("verify", out / "pace-4").returncode == 0
+    verified = wildscav("verify", out / "pace-4", "--json")
+    assert verified.returncode == 0
+    assert json.loads(verified.stdout).keys() == json_documents()["verify of a folder"]

@@ -53,7 +53,7 @@ class EnvConfig(Spec):
     agents: Annotated[int, Field(ge=1, le=1000)] = 1  # number of learners; they have the first seats
     teammates: tuple[PlayerEntry, ...] = ()  # who else is on the learners' team, an entry for each seat
     opponents: tuple[PlayerEntry, ...] | None = None  # who plays against the learners; None: as in the track
-    teams: tuple[int, ...] | None = None  # the team of every seat; None: as the guide says
+    teams: tuple[int, ...] | None = None  # None: one a seat; learners share one in capture or with teammates
     # Duration and rules.
     time_limit: Annotated[float, Field(gt=0, le=86_400)] | None = None  # s of game time; None: the track's
     frames_per_action: Annotated[int, Field(ge=1, le=50)] = 5  # frames of 1/50 s for which an action is held
@@ -68,7 +68,7 @@ class EnvConfig(Spec):
     reward_functions: RewardFunctions = Field(default_factory=dict)  # terms of your own, by name
     observers: Observers = Field(default_factory=dict)  # observations of your own, by name
     action_mode: ActionMode = "dict"  # the format of actions
-    flat: bool = False  # observations are rows of numbers, each divided by its usual magnitude; infos arrays
+    flat: bool = False  # rows of numbers, each divided by its usual magnitude; values in infos are arrays
     all_metrics: bool = False  # in infos: also those that take long to measure, such as SPL
     # Rendering and execution.
     render_mode: RenderMode | None = None  # "human": a window; "rerun": a live view in 3D

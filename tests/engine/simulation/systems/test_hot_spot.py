@@ -46,6 +46,16 @@ def test_every_place_gets_its_boxes_where_and_when_they_are_announced(country: G
         assert np.median(away) < 12.0
 
 
+def test_left_to_its_defaults_it_begins_with_the_match_and_moves_nine_times_a_minute_apart(
+    country: GameMap,
+) -> None:
+    match = match_on(country, supplies=SupplyConfig(waves=(), hot_spot=HotSpot()))
+    waves, quantity = match.start_info(0).waves, match.state.supplies.quantity[0]
+    assert [(wave.time, wave.radius) for wave in waves] == [(60.0 * place, 8.0) for place in range(10)]
+    assert (quantity > 0).sum() == 10 * 12
+    assert (quantity[quantity > 0].min(), quantity.max()) == (10, 30)
+
+
 def test_it_is_announced_among_the_waves_by_time(country: GameMap) -> None:
     waves = (SupplyWave(center=(1, 2)), SupplyWave(center=(3, 4), time=10.0))
     match = match_on(country, supplies=SupplyConfig(waves=waves, hot_spot=MOVING))

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.commands import Done, run_command
+from tests.end_to_end.pages import json_documents
 from tests.evaluator.conftest import submission_in
 from tests.evaluator.results_by_hand import identity_of, results_of
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
@@ -204,6 +205,8 @@ def test_an_edited_agent_is_evaluated_beside_its_former_self(
     assert document["folder"] == "out/evaluations/0002-mine"
     assert document["results"]["evaluations"][0]["version"] == "2.0.0"
     (since,) = document["since_last"]
+    assert {"first", "second"} <= since["comparison"].keys()
+    assert document.keys() | since.keys() | {"first", "second"} == json_documents()["evaluate"]
     assert (since["folder"], since["version"], since["comparison"]["pairs"]) == ("0001-mine", "1.0.0", 7)
     kept = sorted(path.name for path in (tmp_path / "out" / "evaluations").iterdir())
     assert kept == ["0001-mine", "0002-mine", "0003-mine"]

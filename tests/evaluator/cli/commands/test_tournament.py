@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import typer
 from tests.commands import run_command
+from tests.end_to_end.pages import json_documents
 from tests.evaluator.conftest import submission_in
 from tests.evaluator.interrupted_runs import Sitting, check_whole, entered, files, without_timings
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command
@@ -81,6 +82,7 @@ def document(
     printed: dict[str, object] = json.loads(
         done.stdout[done.stdout.index("{\n") : done.stdout.rindex("}") + 1]
     )
+    assert printed.keys() == json_documents()["tournament"]
     return printed
 
 

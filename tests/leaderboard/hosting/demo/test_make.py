@@ -34,6 +34,7 @@ def database(made: Made) -> Iterator[Database]:
 def test_each_baseline_is_the_submission_of_a_team(made: Made, database: Database) -> None:
     season, _ = made
     assert (season.settings.execution.sandbox, season.settings.web.port) == ("process", 8123)
+    assert season.settings.registration == "open"
     with database.reading() as session:
         submissions = list_submissions(session)
         assert [one.name for one in reversed(submissions)] == list(ALL_ROUND)

@@ -4,6 +4,7 @@ import json
 
 import pytest
 from tests.commands import run_command
+from tests.end_to_end.pages import json_documents, names
 
 from wildscav_training.cli.playing import baselines_of
 from wildscav_training.company import scenarios
@@ -20,6 +21,8 @@ def test_it_shows_and_prints_what_agents_reach_on_a_level() -> None:
         ("easy", "oracle"),
     ]
     oracle = document["rows"][1]["metrics"]
+    told = json_documents()["baselines"] - {"scenario"}  # in place of the level of a track with robots
+    assert names(document) | oracle["spl"].keys() == told
     assert oracle["success"] == pytest.approx({"mean": 1.0, "low": 0.438, "high": 1.0}, abs=1e-3)
     assert oracle["spl"]["low"] <= oracle["spl"]["mean"] <= oracle["spl"]["high"]
     heads = ["level", "agent", "success", "SPL", "ms", "a", "step"]

@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from tests.end_to_end.pages import json_documents, names
 from tests.engine.envs.common import OPEN, digest, many_options
 from tests.platform.training.datasets.common import at, write_match
 from typer.testing import CliRunner
@@ -37,6 +38,7 @@ def dataset(*arguments: object) -> Any:
 def test_minari_reads_the_episodes_of_an_agent() -> None:
     done = dataset("--agent", "homing", "--matches", 3, "--id", "navigation/homing-v0", "--json", *HERE)
     assert done.exit_code == 0, (done.output, done.exception)
+    assert names(json.loads(done.stdout)) == json_documents()["dataset"]
     data = minari.load_dataset("navigation/homing-v0")
     given = {"map": OPEN, "time_limit": 4.0}
     played = [episode for (episode,) in PlayedEpisodes("homing", "navigation", given, matches=3)]

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.end_to_end.pages import json_documents, names
 from tests.platform.training.learning.common import OPTIONS, small
 from typer.testing import CliRunner
 
@@ -139,7 +140,9 @@ def test_the_first_command_of_the_page_learns_to_navigate_in_three_minutes_of_on
     done = CliRunner().invoke(app, ["train", "--level", "easy", "--out", str(tmp_path / "easy"), "--json"])
 
     assert done.exit_code == 0, (done.output, done.exception)
-    (result,) = json.loads(done.stdout)["runs"]
+    document = json.loads(done.stdout)
+    assert names(document) == json_documents()["train"]
+    (result,) = document["runs"]
     reached = {(score["split"], score["choose"]): score["metrics"]["success"] for score in result["scores"]}
     assert reached["train", "sampled"] >= LEARNED
     assert reached["test", "sampled"] >= LEARNED, "it has learned the maps of training, and not to navigate"
