@@ -33,7 +33,9 @@ def waited(client: "SeasonClient", one: "SubmissionView") -> "SubmissionView":
                 shown = max(shown, len(one.history))
                 tell(f"{one.state} {texts.waiting(one)}")
     except KeyboardInterrupt:
-        error_console.print(f"It goes on without you: wildscav team submissions {one.id} --wait")
+        error_console.print(
+            f"It was sent, and goes on without you: wildscav team submissions {one.id} --wait"
+        )
         raise
     return one
 
