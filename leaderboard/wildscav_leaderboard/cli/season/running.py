@@ -86,7 +86,8 @@ SHOWN_FAULTS = 10
 def status(folder: SeasonFolder, as_json: AsJson = False) -> None:
     """Show how a season is doing: what waits, what is played, and what went wrong.
 
-    With --json: `conductor` (who conducts), `sandbox`, `executor`, `at_once` (matches), `paused` (why),
+    With --json: `conductor` (who conducts), `sandbox`, `executor`, `at_once` (matches), `phase` (`not
+    open yet`, `open`, `closed`, `being decided` or `over`), `frozen` (public boards), `paused` (why),
     `teams`, `submissions` and `matches` (by state), `missing` (teams without whom a ladder makes no matches,
     by track), `changes` (of the rules, not in force yet), `failed` (why nothing can be played); `attempts`
     that have not ended and `faults` of the platform in the last day: `id`, `kind`, `number`, `epoch`,
@@ -108,6 +109,7 @@ def _table(title: str, one: "StatusView") -> Table:
     conducted = one.conductor or "nobody conducts: `wildscav season serve` starts what does"
     where = f"{one.executor}, {one.at_once} at once, sandbox {one.sandbox}" if one.executor else ""
     rows = {
+        "season": one.phase + (", public boards frozen" if one.frozen and one.phase != "over" else ""),
         "conductor": conducted,
         "matches are played": where,
         "nothing is played": one.failed or "",
