@@ -38,6 +38,6 @@ def unusable(host: str, port: int, error: OSError | OverflowError) -> UserError:
     """Return an error of a server that cannot listen on a port, in our words."""
     number = getattr(error, "errno", None)
     # Python writes into the reason which address it tried, which is said already.
-    reason = str(error) if number is None else os.strerror(number) if number > 0 else error.strerror
+    reason = os.strerror(number) if number is not None and number > 0 else str(error)
     hint = "; choose another with --port" if number == errno.EADDRINUSE else ""
     return UserError(f"port {port} of {host} cannot be used: {reason}{hint}")
