@@ -40,12 +40,14 @@ def watch(
     browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
 ) -> None:
     """Watch recorded matches in 3D, in the browser; Ctrl-C ends it."""
+    from wildscav.system.ports import check_port
     from wildscav.terminal.console import console, error_console
     from wildscav_engine.view.web import link_to
     from wildscav_stage.listening import listen
     from wildscav_stage.viewer_files import viewer_addresses
     from wildscav_stage.watching.match_site import match_site, serve
 
+    check_port(host, port)  # before the records are read
     path = _latest() if str(record) == LATEST and not record.exists() else resolve_record(record, season)
     records = _records_in(path) if path.is_dir() else [path]
     if logs is not None and (len(records) > 1 or other is not None):

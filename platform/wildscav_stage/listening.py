@@ -2,7 +2,7 @@
 
 import socket
 
-from wildscav.errors import AddressInUseError
+from wildscav.system.ports import unusable
 
 GRACE = 1  # s for open pages to be closed when a server ends
 
@@ -11,9 +11,9 @@ def listen(host: str, port: int) -> socket.socket:
     """Return a socket that listens on an address; port 0 is any free one.
 
     Raises:
-        AddressInUseError: Nothing can listen there.
+        UserError: Nothing can listen there.
     """
     try:
         return socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET)
     except (OSError, OverflowError) as error:
-        raise AddressInUseError(f"{host}, port {port}", str(error)) from None
+        raise unusable(host, port, error) from None

@@ -8,7 +8,7 @@ from typing import Any
 
 from wildscav_engine.compilation.notice import QUIET, Progress, progress_callback
 
-PREPARING = "preparing the engine (the first time this compiles it, which takes up to a minute)"
+PREPARING = "preparing the engine (the first time this compiles it, which takes up to two minutes)"
 COMPILING = "compiling the engine for this machine, once"
 MAKING = "making maps, which are kept for the next time"
 
@@ -25,7 +25,7 @@ def preparing(console: Console, *, is_said: bool = False) -> Iterator[None]:
     """
     with contextlib.ExitStack() as stack:
         if is_said or console.is_terminal:
-            stack.enter_context(_silence())
+            stack.enter_context(silence())
         if console.is_terminal:
             stack.enter_context(_status(console))
         yield
@@ -36,7 +36,8 @@ def _status(console: Console) -> Iterator[None]:
     with console.status(PREPARING) as status:
 
         def show(progress: Progress) -> None:
-            done = progress.maps or f"{progress.kernels} functions, {progress.seconds:.0f} s"
+            functions = "function" if progress.kernels == 1 else "functions"
+            done = progress.maps or f"{progress.kernels} {functions}, {progress.seconds:.0f} s"
             status.update(f"{MAKING if progress.maps else COMPILING}: {done}")
 
         with progress_callback(show):
@@ -44,7 +45,8 @@ def _status(console: Console) -> Iterator[None]:
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
+def silence() -> Iterator[None]:
+    """Let the processes that are started meanwhile print nothing about compiling."""
     before = os.environ.get(QUIET)
     os.environ[QUIET] = "1"
     try:

@@ -156,7 +156,8 @@ class _Reporter:
                 self._print_first_line(progress)
         elif sys.stderr.isatty() and progress.seconds >= self._printed_at + PAUSE:
             self._printed_at = progress.seconds
-            _print(f"{progress.kernels} kernels, {progress.seconds:.0f} s")
+            kernels = "kernel" if progress.kernels == 1 else "kernels"
+            _print(f"{progress.kernels} {kernels}, {progress.seconds:.0f} s")
 
     def _print_first_line(self, progress: Progress) -> None:
         self._is_silent = not self._lock.take()  # another process of this command reports it

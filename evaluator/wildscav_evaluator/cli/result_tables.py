@@ -89,7 +89,7 @@ def overall_table(title: str, rows: Iterable[tuple[int, Overall]]) -> Table:
     return table
 
 
-def plain_table(title: str) -> Table:
+def plain_table(title: str) -> FittingTable:
     """Return a table without columns, in the style of all result tables."""
     return FittingTable(title)
 

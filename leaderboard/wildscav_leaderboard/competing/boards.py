@@ -9,12 +9,14 @@ from wildscav.terminal.console import console, print_json, printable
 from wildscav.terminal.suggestions import did_you_mean
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from collections.abc import Sequence
 
+    from wildscav.terminal.tables import FittingTable
     from wildscav_leaderboard.api.documents import SeasonView
     from wildscav_leaderboard.boards.columns import Column
     from wildscav_leaderboard.boards.documents import BoardDocument, Row
 
+PARTS = ("used_time", "punish_time")  # metrics whose sum is the score: narrow terminals show the sum alone
 LEGEND = (
     "A range of ranks starts below the teams that are better with 95 % confidence, and ends above the worse."
 )
@@ -41,12 +43,20 @@ def show_boards(named: str, track: str | None, *, as_json: bool) -> None:
 
 
 def _print(season: "SeasonView", found: "list[BoardDocument]") -> None:
+    from wildscav_leaderboard.boards.columns import columns_of
+
     for board in found:
         if not board.rows:
             title = f"{board.track} · suite {board.conditions.suite}: nobody takes part yet\n"
             console.print(Text(printable(title), "bold"))
             continue
-        console.print(_table(board))
+        columns = columns_of(board)
+        table = _table(board, columns)
+        if not table.fits(console):
+            table = _table(
+                board, [one for one in columns if one.metric is None or one.metric.name not in PARTS]
+            )
+        console.print(table)
         console.print(f"played by {board.conditions.versions}\n")
     if not found:
         console.print(f"There are no results in {printable(season.title)} yet.")
@@ -56,17 +66,15 @@ def _print(season: "SeasonView", found: "list[BoardDocument]") -> None:
     console.print(LEGEND, style="dim")
 
 
-def _table(board: "BoardDocument") -> "Table":
+def _table(board: "BoardDocument", columns: "Sequence[Column]") -> "FittingTable":
     from wildscav_evaluator.cli.result_tables import add_columns, heading, plain_table
     from wildscav_evaluator.scores.number_format import NOTHING
-    from wildscav_leaderboard.boards.columns import columns_of
 
     title = f"{board.track} · suite {board.conditions.suite} · {board.updated:%Y-%m-%d %H:%M} UTC"
     table = plain_table(printable(title))
     add_columns(table, "ranks")
     table.add_column("team", vertical="bottom", min_width=12)
     table.add_column("submission", vertical="bottom", min_width=12)
-    columns = columns_of(board)
     for one in columns:
         narrow = one.title.replace("% ", "%\n").replace("mean ", "mean\n")
         add_columns(table, narrow if one.metric is None else heading(one.metric))

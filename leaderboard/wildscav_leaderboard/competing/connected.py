@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wildscav.errors import UserError
+from wildscav.terminal.suggestions import did_you_mean
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.competing.season_client import SeasonClient
@@ -36,12 +37,15 @@ def season_client(named: str | None) -> "Iterator[SeasonClient]":
     Raises:
         UserError: No season is named, and nobody is logged in.
     """
-    from wildscav_leaderboard.competing.connection import Connection
+    from wildscav_leaderboard.competing.connection import Connection, UnreachableError
     from wildscav_leaderboard.competing.season_client import SeasonClient
 
     url, token = chosen(named)
     with Connection(url, token) as connection:
-        yield SeasonClient(connection)
+        try:
+            yield SeasonClient(connection)
+        except UnreachableError as error:
+            raise UnreachableError(f"{error}{did_you_mean(named or '', (LATEST,))}") from None
 
 
 def chosen(named: str | None) -> tuple[str, str | None]:

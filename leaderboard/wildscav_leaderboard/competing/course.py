@@ -6,7 +6,7 @@ from rich.console import Group
 from rich.text import Text
 
 from wildscav.errors import UserError
-from wildscav.terminal.console import console, error_console, printable, telling
+from wildscav.terminal.console import console, console_above, error_console, printable, telling
 from wildscav_leaderboard.competing import texts
 
 if TYPE_CHECKING:
@@ -29,11 +29,13 @@ def waited(client: "SeasonClient", one: "SubmissionView") -> "SubmissionView":
                     continue
                 one = seen
                 for entry in one.history[shown:]:
-                    console.print(step(entry))
+                    console_above(error_console).print(step(entry))
                 shown = max(shown, len(one.history))
                 tell(f"{one.state} {texts.waiting(one)}")
     except KeyboardInterrupt:
-        error_console.print(f"It goes on without you: wildscav team submissions {one.id} --wait")
+        error_console.print(
+            f"It was sent, and goes on without you: wildscav team submissions {one.id} --wait"
+        )
         raise
     return one
 

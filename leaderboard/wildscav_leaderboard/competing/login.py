@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from wildscav_leaderboard.competing.logins import Logins
     from wildscav_leaderboard.competing.season_client import SeasonClient
 
+SHORTEST = 10  # characters of a password; not imported, because what hashes them takes long to load
 LONGEST_LABEL = 60  # characters
 Url = Annotated[
     str | None,
@@ -173,7 +174,8 @@ def _asked(what: str, option: str = "--name") -> str:
 def _secret(what: str, *, twice: bool = False) -> str:
     """Ask for a secret, which is not shown; or read it from standard input, if that is no terminal."""
     if sys.stdin.isatty():
-        answer: str = typer.prompt(what, hide_input=True, confirmation_prompt=twice, err=True)
+        asked = f"{what} ({SHORTEST} or more characters)" if twice else what
+        answer: str = typer.prompt(asked, hide_input=True, confirmation_prompt=twice, err=True)
         return answer
     given = sys.stdin.readline().rstrip("\n")
     if not given:

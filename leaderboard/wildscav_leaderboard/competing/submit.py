@@ -67,7 +67,12 @@ def submit(
     with season_client(season) as client:
         quota = _quota(client)
         with _progress() as begun, archive_of(submission, loaded, quota.archive) as (archive, suffix):
-            handed_in = client.submit(archive, suffix, message, begun(archive), replaces)
+            on_sent = begun(archive)
+            try:
+                handed_in = client.submit(archive, suffix, message, on_sent, replaces)
+            except KeyboardInterrupt:
+                said = "interrupted: `wildscav team submissions` tells whether it arrived"
+                raise UserError(said, INTERRUPTED) from None
         missing = [track for track in loaded.manifest.tracks if track not in handed_in.submission.tracks]
         _show(client, handed_in, missing, wait=wait)
         last = handed_in.submission
@@ -136,6 +141,7 @@ def _replaced(one: "SubmissionView") -> "Iterator[str]":
         yield f"itself on {track}, for newer ones" if number == one.id else f"{number} on {track}"
 
 
+INTERRUPTED = 130  # exit code, by the convention of shells
 FOLDER_SUFFIX = ".tar.gz"
 
 

@@ -41,7 +41,8 @@ def create(
     if as_json:
         print_json(made)
     texts.say(f"team {made.team.name}")
-    texts.say(f"key  {made.key}   (for teammates: wildscav team join KEY; shown this once)")
+    texts.say(f"key  {made.key}")
+    texts.say("     (for teammates: wildscav team join KEY; shown this once)")
 
 
 @app.command()

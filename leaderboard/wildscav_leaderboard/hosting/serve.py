@@ -1,14 +1,12 @@
 """Running a season: the web server and the conductor, each in a process of its own.
 
 Whatever one of them does, the other goes on, and the one that ended is started again. Both end with the
-process that started them, however it ends. Before they start, the port and the certificate are checked here.
+process that started them, however it ends. Before they start, the certificate is checked here.
 """
 
-import errno
 import multiprocessing
 import os
 import signal
-import socket
 import ssl
 import time
 from collections.abc import Callable
@@ -17,7 +15,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import FrameType
 
-from wildscav.errors import UserError, describe
+from wildscav.errors import UserError
 from wildscav.system.worker_processes import end_with_parent
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.own_database import opened
@@ -148,23 +146,6 @@ def _run_conductor(season: Season, log: Log) -> None:
 
 def _interrupt(_number: int, _frame: FrameType | None) -> None:
     raise KeyboardInterrupt
-
-
-def check_port(host: str, port: int) -> int:
-    """Check that a server can listen on a port, and return its number; for 0, that of a free one.
-
-    Raises:
-        UserError: It cannot: something else listens there, or it is not allowed to.
-    """
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    with socket.socket(family) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((host, port))
-        except OSError as error:
-            hint = "; choose another with --port" if error.errno == errno.EADDRINUSE else ""
-            raise UserError(f"port {port} of {host} cannot be used: {describe(error)}{hint}") from error
-        return int(probe.getsockname()[1])
 
 
 def check_certificate(season: Season) -> None:

@@ -50,6 +50,8 @@ class StatusView(BaseModel):
     sandbox: str | None
     executor: str | None
     at_once: int | None  # matches
+    phase: str  # not open yet, open, closed, being decided, or over
+    frozen: bool  # whether the public boards stay as they are until the season is over
     paused: str | None  # why
     failed: str | None  # why nothing can be played
     teams: int
@@ -75,6 +77,8 @@ def status(session: Session, season: Season, now: datetime) -> StatusView:
         sandbox=nodes.get("sandbox"),
         executor=nodes.get("executor"),
         at_once=nodes.get("at_once"),
+        phase=_phase(session, season, now),
+        frozen=season_state.is_frozen(session),
         paused=None if paused is None else str(paused["reason"]),
         failed=None if failed is None else str(failed["reason"]),
         teams=count_teams(session),
@@ -85,6 +89,16 @@ def status(session: Session, season: Season, now: datetime) -> StatusView:
         attempts=[AttemptView.model_validate(one) for one in running(session)],
         faults=[AttemptView.model_validate(one) for one in session.scalars(latest)],
     )
+
+
+def _phase(session: Session, season: Season, now: datetime) -> str:
+    if season_state.is_finalized(session):
+        return "over"
+    if season_state.read_state(session, season_state.FINALIZING) is not None:
+        return "being decided"
+    if now < season.settings.opens:
+        return "not open yet"
+    return "open" if now < season.settings.closes else "closed"
 
 
 def nodes(session: Session) -> list[dict[str, Any]]:

@@ -78,8 +78,12 @@ def settings_text(name: str, title: str, now: datetime, days: int) -> str:
     closes = opens + timedelta(days=days)
     freezes = closes - timedelta(days=max(1, days // 10))
     quoted = title.replace("\\", "\\\\").replace('"', '\\"')
-    return TEMPLATE.read_text("utf-8").format(
+    text = TEMPLATE.read_text("utf-8").format(
         name=name, title=quoted, opens=_written(opens), closes=_written(closes), freezes=_written(freezes)
+    )
+    # The comments stand below each other, however long the values are.
+    return re.sub(
+        r"^(\w+ = .*\S) +# (.*)$", lambda line: f"{line[1]:<37} # {line[2]}", text, flags=re.MULTILINE
     )
 
 

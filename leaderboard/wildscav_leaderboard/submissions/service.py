@@ -59,6 +59,8 @@ def check_open(session: Session, season: Season, now: datetime) -> None:
         raise RefusalError(f"the season opens at {settings.opens:%Y-%m-%d %H:%M} UTC")
     if now >= settings.closes:
         raise RefusalError(f"the season closed at {settings.closes:%Y-%m-%d %H:%M} UTC")
+    if season_state.is_finalized(session):
+        raise RefusalError("the season is over: its boards are final")
     if season_state.read_state(session, season_state.FINALIZING) is not None:
         raise RefusalError("the season is closed: it is being decided")
 

@@ -98,7 +98,7 @@ def _print_next_steps(folder: Path, name: str) -> None:
         console.print(f"  {command}  # {what}")
     console.print("To take part in a season, whose organizers give you its address and a key:")
     for command, what in (
-        ("wildscav login URL --register --invitation KEY", "an account; without a key where all may join"),
+        ("wildscav login URL --register --invitation KEY", "an account (KEY if needed)"),
         ("wildscav team create NAME", "or join one: wildscav team join KEY"),
         (f"wildscav submit {quoted} --wait", "hand it in"),
     ):
@@ -124,8 +124,16 @@ def _from_policy(*arguments: object) -> dict[str, bytes]:
 
 def _from_template(name: str) -> dict[str, bytes]:
     template = files("wildscav.cli") / "template"
-    texts = {file: (template / file).read_text("utf-8") for file in TEMPLATE}
-    return {file: text.replace("my-agent", name).encode() for file, text in texts.items()}
+    texts = {file: (template / file).read_text("utf-8").replace("my-agent", name) for file in TEMPLATE}
+    # The comments on commands stand below each other, however long the name is.
+    width = 58 + len(name)
+    texts["README.md"] = re.sub(
+        r"^(    .*\S) +# (.*)$",
+        lambda line: f"{line[1]:<{width}}# {line[2]}",
+        texts["README.md"],
+        flags=re.MULTILINE,
+    )
+    return {file: text.encode() for file, text in texts.items()}
 
 
 def write_files(folder: Path, content: Mapping[str, bytes]) -> None:

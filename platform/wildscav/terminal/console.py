@@ -72,6 +72,11 @@ console = PlainConsole()
 error_console = PlainConsole(stderr=True)
 
 
+def console_above(shown: Console) -> Console:
+    """Return what prints lines for stdout while another console shows a spinner or a bar on the terminal."""
+    return shown if console.is_terminal and shown.is_terminal else console
+
+
 @contextmanager
 def telling(first: str = "") -> Iterator[Callable[[str], None]]:
     """Yield what shows on stderr how far something is: in place in a terminal, else a line now and then."""

@@ -32,16 +32,27 @@ class FittingTable(Table):
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """Yield the table in the widest form that fits."""
+        padding = self._spacing(console, options)
+        if padding is None:
+            yield from self._stacked()
+        else:
+            self.padding = (0, padding, 0, 0)
+            yield from super().__rich_console__(console, options)
+
+    def fits(self, console: Console) -> bool:
+        """Return whether the columns fit side by side."""
+        return self._spacing(console, console.options) is not None
+
+    def _spacing(self, console: Console, options: ConsoleOptions) -> int | None:
+        """Return the widest space after columns with which they fit side by side; None if they do not."""
         wide = options.update(max_width=UNBOUNDED)
         # First columns move closer together, then text is wrapped, and last rows become blocks.
         for padding, text in ((1, COMFORTABLE), (0, COMFORTABLE), (0, NARROWEST)):
             needed = sum(_needs(console, wide, column, text) for column in self.columns)
             # In addition to the padding, there is one space between two columns.
             if needed + len(self.columns) * (padding + 1) - 1 <= options.max_width:
-                self.padding = (0, padding, 0, 0)
-                yield from super().__rich_console__(console, options)
-                return
-        yield from self._stacked()
+                return padding
+        return None
 
     def _stacked(self) -> Iterator[RenderableType]:
         """Yield each row as a block with a line for each column: its heading and the cell."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from wildscav_training.learning.settings import TrainingSettings
 
 MAX_SEEDS, MAX_EPISODES = 100, 10_000
+INTERRUPTED = 130  # exit code, by the convention of shells
 SILENCE = 30.0  # s between two lines of progress where there is no terminal
 
 Algorithm = Annotated[str, typer.Option(hidden=True)]  # there were several, once
@@ -133,7 +134,12 @@ def train(
         if submission is not None and not is_written:
             _write_submission(out, runs[0], submission)
 
-    results = _train_all(runs, out, episodes, min(workers, seeds), learned, resume=resume)
+    try:
+        results = _train_all(runs, out, episodes, min(workers, seeds), learned, resume=resume)
+    except KeyboardInterrupt:
+        raise UserError(
+            f"interrupted: {out} keeps what is done; continue with --resume", INTERRUPTED
+        ) from None
     from wildscav.terminal.console import console, print_json
 
     console.print(_table(results))

@@ -86,7 +86,7 @@ def test_in_a_terminal_lines_tell_how_far_it_is(tmp_path: Path) -> None:
     os.close(ours)
     assert lines[0] == BEGINS
     assert len(lines) > 2
-    assert all(" kernels, " in line for line in lines[1:-1])
+    assert all(re.search(r" kernels?, ", line) for line in lines[1:-1])
 
 
 @pytest.fixture

@@ -1,6 +1,9 @@
 """Who leads, who is tied, and that a ladder's history never moves."""
 
+import re
 from dataclasses import replace
+from io import StringIO
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -9,6 +12,8 @@ from hypothesis import strategies as st
 from tests.leaderboard.boards.simulated_ladders import CONDITIONS, ROBOTS, board_of, is_lottery, play_ladder
 from tests.leaderboard.seasons_made import NOON
 
+from wildscav.terminal.console import PlainConsole
+from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.output.results import MetricInfo
 from wildscav_evaluator.ratings.bands import FEWEST_GAMES
 from wildscav_evaluator.ratings.matches import RatedMatch
@@ -19,6 +24,7 @@ from wildscav_leaderboard.boards.ladders import Played, placed_match
 from wildscav_leaderboard.boards.matchmaking import REPEATS
 from wildscav_leaderboard.boards.ranks import better_in_pairs, rank_ranges
 from wildscav_leaderboard.boards.suite_board import SuiteResults, suite_board
+from wildscav_leaderboard.competing import boards
 from wildscav_leaderboard.web.charts import Scale
 
 TIME = (MetricInfo(name="time", title="time", unit="s", lower_is_better=True),)
@@ -41,6 +47,23 @@ def times(mean: float) -> list[float]:
 
 def board_of_suite(*found: SuiteResults, metrics: tuple[MetricInfo, ...] = TIME) -> SuiteBoard:
     return suite_board("navigation", CONDITIONS, metrics, found, NOON)
+
+
+@pytest.mark.parametrize(("width", "is_whole"), [(80, False), (120, True)])
+def test_a_narrow_terminal_shows_a_sum_without_its_parts(
+    monkeypatch: pytest.MonkeyPatch, width: int, *, is_whole: bool
+) -> None:
+    shown = PlainConsole(width=width, file=StringIO())
+    monkeypatch.setattr(boards, "console", shown)
+    metrics = tuple(MetricInfo(**one._asdict()) for one in TRACKS["navigation"].metrics)
+    each = {one.name: 0.5 for one in metrics}
+    found = replace(results(1, "owls", []), metrics=dict.fromkeys(range(20), each))
+    boards._print(MagicMock(), [board_of_suite(found, metrics=metrics)])
+
+    text = shown.file.getvalue()  # type: ignore[attr-defined]
+    assert re.search(r"1 +Owls +1: ", text)  # side by side
+    assert text.count("[s]") == (3 if is_whole else 1)
+    assert "success" in text
 
 
 def test_a_small_lead_in_every_match_is_enough_where_matches_differ_much() -> None:

@@ -8,7 +8,9 @@ import pytest
 from tests.leaderboard.competing.season_site import PASSWORD, Competitor, Site, season_site
 
 from wildscav.errors import UserError
+from wildscav_leaderboard.accounts import passwords
 from wildscav_leaderboard.competing.connection import is_open_to_others, season_url
+from wildscav_leaderboard.competing.login import SHORTEST
 from wildscav_leaderboard.competing.logins import FILE, Login, Logins
 
 
@@ -46,6 +48,14 @@ def test_a_name_and_a_password_get_a_token_and_a_wrong_password_changes_nothing(
 
     competitor.told(*as_bob, stdin=f"{PASSWORD}\n")
     assert kept().seasons[competitor.site.url].name == "bob"
+
+
+def test_the_shortest_password_that_is_asked_for_is_one_that_seasons_take() -> None:
+    assert SHORTEST == passwords.SHORTEST
+
+
+def test_a_misspelt_latest_is_suggested(competitor: Competitor) -> None:
+    assert "(did you mean 'latest'?)" in competitor.refused("leaderboard", "--season", "latest.invalid")
 
 
 def test_json_names_the_account_and_not_the_token(competitor: Competitor) -> None:

@@ -10,6 +10,7 @@ from tests.leaderboard.competing.season_site import Competitor, season_site
 
 from wildscav_leaderboard.api.documents import SubmissionView
 from wildscav_leaderboard.competing import texts
+from wildscav_leaderboard.competing.season_client import SeasonClient
 from wildscav_leaderboard.seasons.settings import Quotas
 from wildscav_leaderboard.submissions.models import Submission
 
@@ -83,6 +84,20 @@ def test_waiting_shows_every_state_and_ends_when_the_submission_takes_part(compe
     conductor.join()
     states = [line.split()[2] for line in told.splitlines() if line.startswith("20")]
     assert states == ["submitted", "queued", "building", "validating", "active"]
+
+
+def test_an_interruption_while_it_is_sent_says_how_to_look(
+    competitor: Competitor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    competitor.logged_in("uma", "urchins")
+    write_agent(competitor.folder, "walker")
+    monkeypatch.setattr(SeasonClient, "submit", interrupt)
+    done = competitor.run("submit", "walker", "--wait")
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "wildscav: interrupted: `wildscav team submissions` tells whether it arrived\n"
 
 
 def test_its_team_sees_how_far_a_validation_is(competitor: Competitor) -> None:

@@ -10,7 +10,7 @@ from tests.leaderboard.seasons_made import make_season
 
 from wildscav.cli import main
 from wildscav.errors import UserError
-from wildscav_leaderboard.hosting.serve import check_port
+from wildscav.system.ports import check_port, is_listening
 
 Serve = Callable[..., tuple[object, str]]
 
@@ -32,11 +32,13 @@ def test_a_port_that_is_taken_or_of_another_machine_is_refused() -> None:
     assert check_port("127.0.0.1", 0) > 0
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
+        assert is_listening("127.0.0.1", port)
         with pytest.raises(
             UserError, match=f"port {port} of 127.0.0.1 cannot be used: .*in use; choose another with --port"
         ):
             check_port("127.0.0.1", port)
     assert check_port("127.0.0.1", port) == port
+    assert not is_listening("127.0.0.1", port)
     with pytest.raises(UserError, match=r"port 0 of 192\.0\.2\.1 cannot be used"):
         check_port("192.0.2.1", 0)
 

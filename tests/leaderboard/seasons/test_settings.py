@@ -124,6 +124,13 @@ def test_the_final_matches_are_others_than_those_of_the_season(spring: Season) -
         assert seeds.isdisjoint(match.seed for match in spring.final_matches[track])
 
 
+def test_the_comments_of_new_settings_stand_below_each_other(tmp_path: Path) -> None:
+    make_season_folder(tmp_path / "a", "a-fairly-long-name", 'One # "two"', 30)
+    lines = (tmp_path / "a" / SETTINGS_FILE).read_text().splitlines()[3:9]
+    assert {line.rindex("# ") for line in lines} == {38}
+    assert Season.open(tmp_path / "a").settings.title == 'One # "two"'
+
+
 def test_there_is_time_to_read_the_settings_before_the_season_opens(spring: Season) -> None:
     settings, now = spring.settings, datetime.now(UTC)
     assert now < settings.opens <= now + timedelta(days=1)

@@ -77,7 +77,8 @@ def show_notes(results: Results) -> None:
         print_note(line)
     console.print()
     for position, line in enumerate(sandbox_and_limits(results.sandbox, results.limits)):
-        say("" if position else "sandbox", line)
+        label = "" if position else "sandbox"
+        console.print(f"{label:<9} {line}", soft_wrap=not console.is_terminal)
     if results.model is not None:
         say("model", str(results.model))
 

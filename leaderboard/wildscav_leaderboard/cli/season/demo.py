@@ -39,17 +39,19 @@ def demo(
     browser: Annotated[bool, typer.Option(help="Open the season's page in a browser.")] = True,
 ) -> None:
     """Open a season to look at: the baselines are its teams, and play while you look around."""
+    free = _free_port(port)  # before all that takes time
+    from wildscav_engine.compilation.engine_progress import silence
     from wildscav_evaluator.sandbox import SANDBOXES
     from wildscav_leaderboard.hosting.demo.make import make_demo
     from wildscav_leaderboard.hosting.serve import serve
 
     if sandbox is not None and sandbox not in SANDBOXES:
         raise UserError(f"--sandbox is {sandbox!r}, must be one of {', '.join(SANDBOXES)}", exit_code=2)
-    free = _free_port(port)
     with _place(folder) as place:
         season, logins = make_demo(place, free, sandbox)
         watch = _Watch(season, logins, matches, opens=browser)
-        with contextlib.closing(watch):
+        quiet = silence() if error_console.is_terminal else contextlib.nullcontext()
+        with quiet, contextlib.closing(watch):
             serve(season, watch=watch)
 
 
@@ -67,7 +69,7 @@ def _place(folder: Path | None) -> Iterator[Path]:
 
 def _free_port(wanted: int | None) -> int:
     """Return a port on which nothing listens yet."""
-    from wildscav_leaderboard.hosting.serve import check_port
+    from wildscav.system.ports import check_port
 
     if wanted is not None:
         return check_port(HOST, wanted)
@@ -90,8 +92,10 @@ class _Watch:
         self._played = self._progress.add_task("matches are played", total=matches, start=False)
         self._is_shown, self._looked, self._said = False, 0.0, time.monotonic()
         self._progress.start()
-        if not error_console.is_terminal:
-            error_console.print("the baselines are checked, and play their first matches")
+        error_console.print(
+            "the baselines are checked, and play their first matches; the first time, this compiles the "
+            "engine, which takes up to two minutes"
+        )
 
     def __call__(self) -> None:
         from wildscav_leaderboard.hosting.demo.make import opening_of

@@ -49,9 +49,9 @@ def init(
     console.print(f"season     {folder}")
     console.print(f"settings   {folder / 'season.toml'}: read and change them before it opens")
     console.print(f"rules      {folder / 'rules.md'}: fill them in and publish them with the commitments")
-    console.print(f"commitment {commitment}")
-    console.print(f"final      {final}")
-    console.print("           the commitments are to be published, and the secrets kept")
+    console.print("publish    these commitments to the season's secrets, and keep the secrets:")
+    console.print(f"           {commitment}  secret.txt")
+    console.print(f"           {final}  final-secret.txt")
     console.print(f"start it   {command('wildscav', 'season', 'serve', folder)}")
 
 

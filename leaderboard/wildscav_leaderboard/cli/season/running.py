@@ -1,5 +1,6 @@
 """The commands for a season that runs: ``serve``, ``status`` and ``apply``."""
 
+from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +15,7 @@ from wildscav_leaderboard.competing.texts import waits_for
 
 if TYPE_CHECKING:
     from wildscav_leaderboard.organizing.status import AttemptView, StatusView
+    from wildscav_leaderboard.seasons.folder import Season
 
 
 def serve(
@@ -31,34 +33,51 @@ def serve(
 ) -> None:
     """Run a season: the web site with its API, and the conductor that has matches played."""
     from wildscav.errors import UserError
-    from wildscav.terminal.console import console
-    from wildscav_leaderboard.hosting.serve import CONDUCTOR, WEB, check_certificate, check_port
-    from wildscav_leaderboard.hosting.serve import serve as run
-    from wildscav_leaderboard.organizing.checking import check_rules
+    from wildscav.system.ports import check_port
     from wildscav_leaderboard.seasons.folder import Season
 
     if log_format not in ("text", "json"):
         raise UserError(f"--log-format is {log_format!r}, must be text or json", exit_code=2)
-    season = Season.open(folder)
+    is_web = web or not conductor
     chosen = {"host": host, "port": port, "metrics_port": metrics_port}
-    changed = season.settings.web.model_copy(
-        update={name: value for name, value in chosen.items() if value is not None}
-    )
-    parts = tuple(name for name, wanted in ((WEB, web), (CONDUCTOR, conductor)) if wanted)
-    parts = parts or (WEB, CONDUCTOR)
-    if WEB not in parts and any(value is not None for value in chosen.values()):
+    if not is_web and any(value is not None for value in chosen.values()):
         raise UserError(
             "--host, --port and --metrics-port belong to the web site, not --conductor", exit_code=2
         )
-    if WEB in parts:
-        check_certificate(season)
+    season = Season.open(folder)
+    changed = season.settings.web.model_copy(
+        update={name: value for name, value in chosen.items() if value is not None}
+    )
+    if is_web:  # before all that takes time
         changed = changed.model_copy(update={"port": check_port(changed.host, changed.port)})
+
+    from wildscav_leaderboard.hosting.serve import CONDUCTOR, WEB, check_certificate
+    from wildscav_leaderboard.hosting.serve import serve as run
+    from wildscav_leaderboard.organizing.checking import check_rules
+
+    if is_web:
+        check_certificate(season)
     season = Season(season.folder, season.settings.model_copy(update={"web": changed}))
     for line in check_rules(season):
         console.print(line)
-    if WEB in parts:
-        console.print(f"{season.settings.title}: {changed.address} (Ctrl-C ends it)")
-    run(season, parts, "json" if log_format == "json" else "text")
+    parts = tuple(name for name, wanted in ((WEB, is_web), (CONDUCTOR, conductor or not web)) if wanted)
+    announced = _announced(season) if is_web else lambda: None
+    run(season, parts, "json" if log_format == "json" else "text", announced)
+
+
+def _announced(season: "Season") -> Callable[[], None]:
+    """Return what prints the season's address once its web process listens. Called again and again."""
+    from wildscav.system.ports import is_listening
+
+    web, is_said = season.settings.web, False
+
+    def look() -> None:
+        nonlocal is_said
+        if not is_said and is_listening(web.host, web.port):
+            is_said = True
+            console.print(f"{season.settings.title}: {web.address} (Ctrl-C ends it)")
+
+    return look
 
 
 SHOWN_FAULTS = 10
@@ -67,7 +86,8 @@ SHOWN_FAULTS = 10
 def status(folder: SeasonFolder, as_json: AsJson = False) -> None:
     """Show how a season is doing: what waits, what is played, and what went wrong.
 
-    With --json: `conductor` (who conducts), `sandbox`, `executor`, `at_once` (matches), `paused` (why),
+    With --json: `conductor` (who conducts), `sandbox`, `executor`, `at_once` (matches), `phase` (`not
+    open yet`, `open`, `closed`, `being decided` or `over`), `frozen` (public boards), `paused` (why),
     `teams`, `submissions` and `matches` (by state), `missing` (teams without whom a ladder makes no matches,
     by track), `changes` (of the rules, not in force yet), `failed` (why nothing can be played); `attempts`
     that have not ended and `faults` of the platform in the last day: `id`, `kind`, `number`, `epoch`,
@@ -89,6 +109,7 @@ def _table(title: str, one: "StatusView") -> Table:
     conducted = one.conductor or "nobody conducts: `wildscav season serve` starts what does"
     where = f"{one.executor}, {one.at_once} at once, sandbox {one.sandbox}" if one.executor else ""
     rows = {
+        "season": one.phase + (", public boards frozen" if one.frozen and one.phase != "over" else ""),
         "conductor": conducted,
         "matches are played": where,
         "nothing is played": one.failed or "",

@@ -94,6 +94,8 @@ def test_a_season_that_is_over_is_published(
         assert "its boards are final, and its secrets are opened" in capsys.readouterr().out
         assert not (published / "of an earlier time").exists()
         (published / "of an earlier time").touch()
+    assert command(monkeypatch, "status", season.folder) == 0
+    assert re.search(r"season +over\b", capsys.readouterr().out)
     assert command(monkeypatch, "finalize", season.folder, "--abort") == 1
     assert [one.name for one in season.folder.glob("*published*")] == [PUBLISHED]
     assert (published / "secret.txt").read_bytes() == (season.folder / "secret.txt").read_bytes()

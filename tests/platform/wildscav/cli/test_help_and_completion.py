@@ -366,6 +366,12 @@ def test_init_quotes_what_it_suggests_and_copies_a_baseline(tmp_path: Path) -> N
     assert (tmp_path / "My Agent" / "README.md").is_file()
 
 
+def test_the_comments_in_a_new_readme_stand_below_each_other(tmp_path: Path) -> None:
+    assert run_command("init", "a-rather-long-name", cwd=tmp_path).returncode == 0
+    lines = (tmp_path / "a-rather-long-name" / "README.md").read_text().splitlines()
+    assert len({line.index(" # ") for line in lines if " # " in line}) == 1
+
+
 @pytest.mark.parametrize("width", [60, 80, 120])
 @pytest.mark.parametrize("columns", [2, 6, 12])
 def test_no_column_of_a_table_is_lost(width: int, columns: int) -> None:
