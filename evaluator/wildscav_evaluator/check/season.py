@@ -11,13 +11,12 @@ from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_engine.tracks import TRACKS
 from wildscav_evaluator.check.trials import Trial
 from wildscav_evaluator.sandbox.limits import Limits
-from wildscav_evaluator.submissions.submission import Submission
+from wildscav_evaluator.submissions.submission import NO_MODEL, Submission
 from wildscav_evaluator.suites.suite import SUITES
 from wildscav_evaluator.suites.suite_file import find_suite
 
 LARGEST = 1 << 20  # bytes of an answer
 TIMEOUT = 30.0  # s
-NO_MODEL = "the submission asks a language model, and the season offers none"
 
 
 class _Track(BaseModel):

@@ -16,6 +16,8 @@ from wildscav_evaluator.submission_files import (
 from wildscav_evaluator.submissions.archives import SUFFIXES, is_archive, unpack
 from wildscav_server.hosting.manifest import Manifest, SubmissionError, read_manifest
 
+NO_MODEL = "the submission asks a language model, and the season offers none"
+
 
 @dataclass(frozen=True)
 class Submission:

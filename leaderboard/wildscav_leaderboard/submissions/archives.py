@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wildscav.errors import UserError
-from wildscav_evaluator.check.season import NO_MODEL
 from wildscav_evaluator.submissions.archives import SUFFIXES, unpack
-from wildscav_evaluator.submissions.submission import Submission, load_submission
+from wildscav_evaluator.submissions.submission import NO_MODEL, Submission, load_submission
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.refusals import InvalidError, TooLargeError
 from wildscav_server.hosting.manifest import Manifest
