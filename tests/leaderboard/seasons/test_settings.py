@@ -113,7 +113,7 @@ def test_a_new_season_has_a_template_of_rules_that_names_settings(spring: Season
     rules = (spring.folder / RULES_FILE).read_text("utf-8")
     assert rules.startswith("# Rules of Spring\n")
     named = set(re.findall(r"\[`(\w+)`\]", rules))
-    assert {"opens", "freezes", "closes", "per_day", "active", "members"} == named
+    assert {"opens", "freezes", "closes", "per_day", "active", "archive", "members"} == named
     assert named <= SeasonSettings.model_fields.keys() | Quotas.model_fields.keys()
 
 

@@ -86,12 +86,12 @@ SHOWN_FAULTS = 10
 def status(folder: SeasonFolder, as_json: AsJson = False) -> None:
     """Show how a season is doing: what waits, what is played, and what went wrong.
 
-    With --json: `conductor` (who conducts), `sandbox`, `executor`, `at_once` (matches), `phase` (`not
-    open yet`, `open`, `closed`, `being decided` or `over`), `frozen` (public boards), `paused` (why),
-    `teams`, `submissions` and `matches` (by state), `missing` (teams without whom a ladder makes no matches,
-    by track), `changes` (of the rules, not in force yet), `failed` (why nothing can be played); `attempts`
-    that have not ended and `faults` of the platform in the last day: `id`, `kind`, `number`, `epoch`,
-    `started`, `deadline`, `begun`, `match_id`, `submission_id`, `ended`, `outcome`, `detail` of each.
+    With --json: `conductor` (who conducts), `sandbox`, `executor`, `at_once` (matches), `phase` (not open
+    yet, open, closed, being decided or over), `frozen` (public boards), `paused` (why), `teams`,
+    `submissions` and `matches` (by state), `missing` (teams without whom a ladder makes no matches, by
+    track), `changes` (of the rules, not in force yet), `failed` (why nothing can be played); `attempts` that
+    have not ended and `faults` of the platform in the last day: `id`, `kind`, `number`, `epoch`, `started`,
+    `deadline`, `begun`, `match_id`, `submission_id`, `ended`, `outcome`, `detail` of each.
     """
     from wildscav_leaderboard.organizing.status import status as found
 
