@@ -151,7 +151,7 @@ def test_variables_of_an_image_do_not_reach_what_keeps_its_wall_clock(submit: Su
 
     ending = run(submission, name, tmp_path)
 
-    assert ending.last_lines[-1] == "/usurp.so False"
+    assert "/usurp.so False" in ending.last_lines  # what the loader says may come before or after
     assert ending.exit_code == 0
 
 
