@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - a script, not part of a package
-"""Make board.png, the picture of a board in the project's README, and the boards of the site's demo season.
+"""Make board.png and season.png, the pictures of a season, and the boards of the site's demo season.
 
     wildscav season demo --port 8000 --matches 18
     python docs/images/board.py http://127.0.0.1:8000
@@ -15,20 +15,21 @@ from pathlib import Path
 import httpx
 from playwright.sync_api import sync_playwright
 
-PICTURE = Path(__file__).with_name("board.png")
+PICTURES = {"board.png": "/boards/battle", "season.png": "/"}
 BOARDS = Path(__file__).parents[1] / "examples" / "demo_season.json"
 SIZE = {"width": 1100, "height": 830}
 
 
 def main(address: str) -> None:
-    """Take the boards and the screenshot."""
+    """Take the boards and the screenshots."""
     boards = httpx.get(f"{address}/api/v1/boards").raise_for_status().json()
     BOARDS.write_text(json.dumps(boards, indent=1) + "\n", "utf-8")
     with sync_playwright() as tools:
         browser = tools.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         page = browser.new_page(viewport=SIZE)
-        page.goto(f"{address}/boards/battle")
-        page.screenshot(path=PICTURE)
+        for picture, path in PICTURES.items():
+            page.goto(f"{address}{path}")
+            page.screenshot(path=Path(__file__).with_name(picture))
         browser.close()
 
 
