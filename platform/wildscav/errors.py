@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+INTERRUPTED = 130  # exit code of a command that Ctrl-C ended, by the convention of shells
+
 
 class WildscavError(Exception):
     """Base of all errors of Wildscav. The message is one clear line."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wildscav.cli.shared_options import AsJson
-from wildscav.errors import UserError
+from wildscav.errors import INTERRUPTED, UserError
 from wildscav.terminal.console import console, counted, print_json, progress_bar
 from wildscav_leaderboard.competing import texts
 from wildscav_leaderboard.competing.connected import SeasonUrl, season_client
@@ -141,7 +141,6 @@ def _replaced(one: "SubmissionView") -> "Iterator[str]":
         yield f"itself on {track}, for newer ones" if number == one.id else f"{number} on {track}"
 
 
-INTERRUPTED = 130  # exit code, by the convention of shells
 FOLDER_SUFFIX = ".tar.gz"
 
 

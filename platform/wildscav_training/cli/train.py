@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wildscav.cli.shared_options import AsJson, named_in
-from wildscav.errors import UserError
+from wildscav.errors import INTERRUPTED, UserError
 from wildscav_training.cli.track_and_level import known_track, level_names
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from wildscav_training.learning.settings import TrainingSettings
 
 MAX_SEEDS, MAX_EPISODES = 100, 10_000
-INTERRUPTED = 130  # exit code, by the convention of shells
 SILENCE = 30.0  # s between two lines of progress where there is no terminal
 
 Algorithm = Annotated[str, typer.Option(hidden=True)]  # there were several, once

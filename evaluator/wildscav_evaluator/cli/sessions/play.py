@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from rich.progress import TimeElapsedColumn
 from rich.table import Table
 
-from wildscav.errors import UserError, describe
+from wildscav.errors import INTERRUPTED, UserError, describe
 from wildscav.terminal.console import command, console, print_json, progress_bar
 from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.record import SUFFIX, RecordError, check_recordable, read_record, write_record
@@ -31,7 +31,7 @@ from wildscav_evaluator.cli.result_tables import (
     plain_table,
     waits_note,
 )
-from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, print_note, raise_errors
+from wildscav_evaluator.cli.sessions.playing import print_note, raise_errors
 from wildscav_evaluator.matches.play import (
     MatchAssignment,
     PlayedMatch,

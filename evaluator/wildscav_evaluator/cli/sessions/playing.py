@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.text import Text
 
-from wildscav.errors import UserError, describe
+from wildscav.errors import INTERRUPTED, UserError, describe
 from wildscav.terminal.console import command, console, counted, error_console
 from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.storage.files import write_whole
@@ -39,8 +39,6 @@ from wildscav_evaluator.output.numbered_folders import OUT
 from wildscav_evaluator.output.results import Results, write_results
 from wildscav_evaluator.plans.plan import Plan
 from wildscav_server.time_limits import Clock
-
-INTERRUPTED = 130  # exit code, by the convention of shells
 
 
 @contextmanager

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from rich.text import Text
 
-from wildscav.errors import UserError
+from wildscav.errors import INTERRUPTED, UserError
 from wildscav.terminal.console import console, counted, printable
 from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_engine.simulation.match import MatchSetupError
-from wildscav_evaluator.cli.sessions.playing import INTERRUPTED, raise_errors
+from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, read_ledger
 from wildscav_evaluator.matches.play import (
     MatchAssignment,
