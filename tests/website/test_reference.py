@@ -31,7 +31,10 @@ from wildscav_evaluator.tournaments import tournament_file
 from wildscav_language.calls import Reason
 from wildscav_language.mcp_server.protocol import all_tools
 from wildscav_legacy.episode import FIELDS
-from wildscav_website import (
+from wildscav_website.build import examples
+from wildscav_website.field_comments import meaning_of
+from wildscav_website.markdown import type_of
+from wildscav_website.references import (
     commands,
     legacy,
     metrics,
@@ -43,10 +46,7 @@ from wildscav_website import (
     sensors,
     tools,
 )
-from wildscav_website.build import examples
-from wildscav_website.field_comments import meaning_of
-from wildscav_website.markdown import type_of
-from wildscav_website.sensors import meanings_of, range_of, shape_of
+from wildscav_website.references.sensors import meanings_of, range_of, shape_of
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,11 +8,10 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files, InclusionLevel
 from mkdocs.structure.pages import Page
 
-from wildscav_website import (
+from wildscav_website import demo_season, environments, home
+from wildscav_website.links import COPIED, EXAMPLES, ROOT, SOURCES, links_for_site, page_of_example
+from wildscav_website.references import (
     commands,
-    demo_season,
-    environments,
-    home,
     legacy,
     metrics,
     modules,
@@ -24,7 +23,6 @@ from wildscav_website import (
     sensors,
     tools,
 )
-from wildscav_website.links import COPIED, EXAMPLES, ROOT, SOURCES, links_for_site, page_of_example
 
 ASSETS = Path(__file__).parents[1] / "assets"
 

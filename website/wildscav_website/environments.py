@@ -20,7 +20,7 @@ from wildscav_engine.tracks.rewards import REWARD_TERMS
 from wildscav_website.links import ROOT
 from wildscav_website.markdown import code, indented, number, sentence, table
 from wildscav_website.observed import Row, observation_rows
-from wildscav_website.sdk import fields_of
+from wildscav_website.references.sdk import fields_of
 
 MODES = ("dict", "box", "baseline", "multidiscrete", "fine", "keys")
 ACTIONS = """## Action space

@@ -15,7 +15,7 @@ GENERATED = {
     "platform/wildscav/agent.py": "reference/sdk.md",
     "platform/wildscav/skills/__init__.py": "reference/sdk.md",
     "platform/wildscav/cli/main.py": "reference/commands.md",
-    "website/wildscav_website/modules.py": "reference/modules.md",
+    "website/wildscav_website/references/modules.py": "reference/modules.md",
     "platform/wildscav/harness/settings.py": "reference/sdk.md",
     "platform/wildscav_language/calls.py": "reference/tools.md",
     "platform/wildscav_language/tools/__init__.py": "reference/tools.md",

@@ -11,8 +11,8 @@ from wildscav_evaluator.output import identity, results
 from wildscav_evaluator.ratings import standings
 from wildscav_evaluator.tournaments import tournament_file
 from wildscav_website.markdown import code, prose, table
-from wildscav_website.rest import document
-from wildscav_website.sdk import fields_of
+from wildscav_website.references.rest import document
+from wildscav_website.references.sdk import fields_of
 
 HEAD = """# Files of evaluations and tournaments
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from wildscav_leaderboard.api.routers import api_router
 from wildscav_leaderboard.webhooks.delivery import MAX_ATTEMPTS, MAX_LOST
 from wildscav_website.markdown import code, prose, sentence, table, type_of
-from wildscav_website.sdk import meanings_of
+from wildscav_website.references.sdk import meanings_of
 
 HEAD = """# The API of seasons
 

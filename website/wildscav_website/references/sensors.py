@@ -10,7 +10,7 @@ from annotated_types import Ge, Gt, Le
 from wildscav_engine.sensors import SENSORS
 from wildscav_engine.sensors.base import Sensor
 from wildscav_website.markdown import code, number, prose, table
-from wildscav_website.sdk import meanings_of
+from wildscav_website.references.sdk import meanings_of
 
 HEAD = """# Every sensor
 

@@ -7,7 +7,7 @@ from wildscav_language.calls import Reason, Tool
 from wildscav_language.mcp_server.desk import ACTS
 from wildscav_language.tools import TOOLS
 from wildscav_website.markdown import code, sentence, table, type_of
-from wildscav_website.sdk import values_of
+from wildscav_website.references.sdk import values_of
 
 HEAD = """# Tools
 
