@@ -1,7 +1,6 @@
-"""What release 0.1.0 left behind still works: a record, the messages of an agent, a season, and its API.
+"""What earlier releases left behind still works: a record, the messages of an agent, a season, and the API.
 
-That release made the files: a battle of its baseline `hunter`, with all messages between the agent and the
-server, the baseline itself, a season of three teams that have played, and the description of the API.
+Each release made its own files, as `left_behind.py` does.
 """
 
 import base64
@@ -9,6 +8,7 @@ import json
 import lzma
 import tarfile
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,72 +35,95 @@ from wildscav_leaderboard.seasons.folder import Season
 from wildscav_server.hosting.reports import SeatStatus
 from wildscav_server.match_server import MatchServer
 
-FILES = Path(__file__).with_name("0.1.0")
-RECORD = read_record(FILES / "match.wsr")
-CLIENT: dict[str, Any] = json.loads(lzma.decompress((FILES / "client.json.xz").read_bytes()))
-# As long as these are its own: then a match is still the same, to the bit.
-PLAYS_THE_SAME = (RECORD.simulation_version, RECORD.generator_version) == (
-    SIMULATION_VERSION,
-    GENERATOR_VERSION,
-)
+RELEASES = sorted(folder.name for folder in Path(__file__).parent.glob("[0-9]*"))
 PLAYED = 24  # matches of the season
-# Pictures of matches from above: browsers draw them.
-GONE = ["get /api/v1/matches/{match}/overview.webp"]
+# What its API had, and has no more. Pictures of matches from above: browsers draw them.
+GONE = {"0.1.0": ["get /api/v1/matches/{match}/overview.webp"]}
 LATER = datetime(2030, 6, 2, tzinfo=UTC)  # than all of its matches
-OLD_PROTOCOL = FileDescriptorProto.FromString(base64.b64decode(CLIENT["descriptor"]))
 
 
-def said_by(who: str) -> list[bytes]:
-    return [base64.b64decode(text) for name, text in CLIENT["messages"] if name == who]
+class Release:
+    """What one release left behind."""
+
+    def __init__(self, version: str) -> None:
+        self.version = version
+        self.files = Path(__file__).with_name(version)
+        self.record = read_record(self.files / "match.wsr")
+        client = self.json("client")
+        self.spec = MatchSpec.model_validate(client["spec"])
+        self.protocol = FileDescriptorProto.FromString(base64.b64decode(client["descriptor"]))
+        self.messages = [(who, base64.b64decode(text)) for who, text in client["messages"]]
+
+    @property
+    def plays_the_same(self) -> bool:
+        """Whether a match is still the same, to the bit."""
+        versions = (self.record.simulation_version, self.record.generator_version)
+        return versions == (SIMULATION_VERSION, GENERATOR_VERSION)
+
+    def json(self, name: str) -> Any:
+        return json.loads(lzma.decompress((self.files / f"{name}.json.xz").read_bytes()))
+
+    def said_by(self, who: str) -> list[bytes]:
+        return [message for one, message in self.messages if one == who]
+
+    def message(self, name: str) -> type[Message]:
+        """Return a message as that release knows it."""
+        pool = DescriptorPool()
+        pool.Add(self.protocol)
+        return GetMessageClass(pool.FindMessageTypeByName(f"{self.protocol.package}.{name}"))
+
+    def unpack(self, name: str, folder: Path) -> None:
+        with tarfile.open(self.files / name) as archive:
+            archive.extractall(folder, filter="data")
 
 
-def old_class(name: str) -> type[Message]:
-    """Return a message as that release knows it."""
-    pool = DescriptorPool()
-    pool.Add(OLD_PROTOCOL)
-    return GetMessageClass(pool.FindMessageTypeByName(f"{OLD_PROTOCOL.package}.{name}"))
+@pytest.fixture(params=RELEASES)
+def release(request: pytest.FixtureRequest) -> Release:
+    return Release(request.param)
 
 
-def test_its_record_is_read_and_played_again() -> None:
-    assert (RECORD.engine_version, RECORD.names) == ("0.1.0", ("hunter", "fighter", "gatherer"))
-    found = verify_record(RECORD)
-    assert found.holds is PLAYS_THE_SAME, found.message
-    assert (
-        found.holds or "at another commit" in found.message or "play it with release 0.1.0" in found.message
-    )
+def test_its_record_is_read_and_played_again(release: Release) -> None:
+    version, record = release.version, release.record
+    assert (record.engine_version, record.names) == (version, ("hunter", "fighter", "gatherer"))
+    found = verify_record(record)
+    assert found.holds is release.plays_the_same, found.message
+    reasons = ("at another commit", f"play it with release {version}")
+    assert found.holds or any(reason in found.message for reason in reasons)
 
 
-def test_every_field_of_its_protocol_is_as_it_was() -> None:
+def test_every_field_of_its_protocol_is_as_it_was(release: Release) -> None:
     now = FileDescriptorProto()
     match_pb2.DESCRIPTOR.CopyToProto(now)
     messages = {
         message.name: {field.number: field for field in message.field} for message in now.message_type
     }
-    for message in OLD_PROTOCOL.message_type:
+    for message in release.protocol.message_type:
         for field in message.field:
             assert messages[message.name].get(field.number) == field, f"{message.name}.{field.name}"
 
 
-def test_its_client_plays_the_same_match_and_reads_the_same_answers(tmp_path: Path) -> None:
-    digests, answers = serving(tmp_path, play_as_recorded)
+def test_its_client_plays_the_same_match_and_reads_the_same_answers(release: Release, tmp_path: Path) -> None:
+    digests, answers = serving(tmp_path, partial(play_as_recorded, release))
 
-    server_message = old_class("ServerMessage")
+    server_message = release.message("ServerMessage")
     read, expected = (
         [comparable(server_message.FromString(data)) for data in answers_of]
-        for answers_of in (answers, said_by("server"))
+        for answers_of in (answers, release.said_by("server"))
     )
     assert len(read) == len(expected)
     assert read[-1].HasField("match_over")
-    if PLAYS_THE_SAME:
+    if release.plays_the_same:
         assert read == expected
-        assert digests == RECORD.digests.tolist()
+        assert digests == release.record.digests.tolist()
 
 
-async def play_as_recorded(server: MatchServer, address: str) -> tuple[list[int], list[bytes]]:
+async def play_as_recorded(
+    release: Release, server: MatchServer, address: str
+) -> tuple[list[int], list[bytes]]:
     """Send what the client sent; return the digests of the match, and what the server answered."""
-    hosted = await server.host(MatchSpec.model_validate(CLIENT["spec"]), names=RECORD.names)
-    join, *others = said_by("client")
-    first: Any = old_class("ClientMessage").FromString(join)
+    hosted = await server.host(release.spec, names=release.record.names)
+    join, *others = release.said_by("client")
+    first: Any = release.message("ClientMessage").FromString(join)
     first.join.token = hosted.tokens[0]
     answers = []
     async with grpc.aio.insecure_channel(address) as channel:
@@ -112,11 +135,11 @@ async def play_as_recorded(server: MatchServer, address: str) -> tuple[list[int]
     return record_of(hosted.match, hosted.names).digests.tolist(), answers
 
 
-def test_its_submission_plays_with_this_sdk(tmp_path: Path) -> None:
-    unpack("hunter.tar.xz", tmp_path)
+def test_its_submission_plays_with_this_sdk(release: Release, tmp_path: Path) -> None:
+    release.unpack("hunter.tar.xz", tmp_path)
 
     async def play(server: MatchServer, address: str) -> SeatStatus:
-        hosted = await server.host(MatchSpec.model_validate(CLIENT["spec"]), names=RECORD.names)
+        hosted = await server.host(release.spec, names=release.record.names)
         agent = await start_agent("agent:Hunter", address, hosted.tokens[0], tmp_path / "hunter")
         outcome = await hosted.finished()
         assert await ended(agent) == (0, "")
@@ -135,14 +158,9 @@ def comparable(message: Any) -> Any:
     return message
 
 
-def unpack(name: str, folder: Path) -> None:
-    with tarfile.open(FILES / name) as archive:
-        archive.extractall(folder, filter="data")
-
-
 @pytest.fixture
-def season(tmp_path: Path) -> Season:
-    unpack("season.tar.xz", tmp_path)
+def season(release: Release, tmp_path: Path) -> Season:
+    release.unpack("season.tar.xz", tmp_path)
     return Season.open(tmp_path / "season")
 
 
@@ -153,7 +171,9 @@ def database(season: Season) -> Any:
     opened.close()
 
 
-def test_its_season_is_migrated_and_its_boards_stay(season: Season, database: Database) -> None:
+def test_its_season_is_migrated_and_its_boards_stay(
+    release: Release, season: Season, database: Database
+) -> None:
     database.upgrade()
 
     with database.writing() as session:
@@ -168,15 +188,15 @@ def test_its_season_is_migrated_and_its_boards_stay(season: Season, database: Da
             assert after.rows == before.rows
     records = sorted(season.folder.rglob("*.wsr"))
     assert len(records) == PLAYED
-    assert all(read_record(file).engine_version == "0.1.0" for file in records)
+    assert all(read_record(file).engine_version == release.version for file in records)
 
 
 def test_every_request_that_its_api_answered_is_answered_with_the_same_fields(
-    season: Season, database: Database
+    release: Release, season: Season, database: Database
 ) -> None:
     database.upgrade()
     app = create_app(season, database)
-    now, then = app.openapi(), json.loads(lzma.decompress((FILES / "openapi.json.xz").read_bytes()))
+    now, then = app.openapi(), release.json("openapi")
     app.state.renders.close()
 
     gone = [
@@ -185,7 +205,7 @@ def test_every_request_that_its_api_answered_is_answered_with_the_same_fields(
         for method in then["paths"][path]
         if method not in now["paths"].get(path, ())
     ]
-    assert gone == GONE
+    assert gone == GONE.get(release.version, [])
     for name, schema in then["components"]["schemas"].items():
         fields = set(schema.get("properties", ()))
         assert fields - set(now["components"]["schemas"].get(name, {}).get("properties", ())) == set(), name
