@@ -5,8 +5,9 @@
 plays the same matches on the test maps of a level with each agent, as ``wildscav baselines`` does, and with
 ``tuned``: a policy that ``wildscav train`` trained on the level's maps for training. It adds what is not yet
 in the folder of results, and prints the tables of all that is there; with ``--agents ''`` it only does that.
-``--track gathering`` and ``--track battle`` do the same for the ladders of these tracks. With ``--seed 1``,
-the matches of another ``tuned`` join those that are there.
+``--track gathering`` and ``--track battle`` do the same for the ladders of these tracks; the picture shows
+all three. With ``--seed 1``, another ``tuned`` joins those that are there. Where the score is no rate, it is
+also given as a share of what the reference carries on easy, and of what it carries on the same level.
 """
 
 import itertools
@@ -16,7 +17,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import typer
 from benchmarks.learning.result_files import add, results_in
@@ -25,13 +26,15 @@ from wildscav.cli.init import write_files
 from wildscav.policy.networks import Choose
 from wildscav_engine.envs import SeatController
 from wildscav_engine.maps.levels import LEVELS, Level
+from wildscav_evaluator.scores.overall import across_tracks
 from wildscav_training.learning.run import train
-from wildscav_training.learning.settings import TrainingSettings, preset_settings
+from wildscav_training.learning.settings import TrainingSettings, changed, preset_settings
 from wildscav_training.learning.submission import policy_submission
 from wildscav_training.opponents import named_agent
 from wildscav_training.trials import SUCCESS, half_width, matches_on, mean, play, rate, wilson
 
-RESULTS = Path(__file__).parents[1] / "learning" / "results" / "levels"
+ROOT = Path(__file__).parents[2]
+RESULTS = ROOT / "benchmarks/learning/results/levels"
 TUNED = "tuned"  # the agent that is trained on each level
 AGENTS = {  # the last is no agent to compare levels by
     "navigation": (
@@ -43,16 +46,44 @@ AGENTS = {  # the last is no agent to compare levels by
 }
 REFERENCES = {"gathering": "scavenger", "battle": "commando"}  # the score 1, where 0 is that of ``random``
 STEPS = 1_000_000
-GATHERER = {"to_supplies": {}, "to_hot_spot": {}, "lidar": {"channels": 2, "azimuths": 24}}
-TRAINING: dict[str, dict[str, Any]] = {  # the environment of ``tuned``, as docs/training.md advises
-    "navigation": {"random_maps": 64, "time_limit": 120, "frames_per_action": 15},
-    "gathering": {"preset": "ladder-gathering", "frames_per_action": 10, "sensors": GATHERER},
-    "battle": {
-        "preset": "ladder-battle",
-        "action_mode": "fine",
-        "sensors": {"sights": {}, **GATHERER},
-        "rewards": {"supplies": 0.02, "hit": 0.2, "kill": 1, "death": -1},
-    },
+MARKS = "x^vDsPo*<>phdX"  # of agents in the picture
+LIDAR = {"lidar": {"channels": 2, "azimuths": 32, "range": 8}}  # walls nearby
+GATHERER = {"to_supplies": {}, "to_hot_spot": {}, **LIDAR}
+
+
+class Recipe(NamedTuple):
+    """How ``tuned`` learns and plays a track."""
+
+    options: dict[str, Any]  # of the environment
+    hyperparameters: dict[str, Any]  # those that differ from the preset "tuned"
+    choose: Choose = Choose.SAMPLED
+    agent: Path | None = None  # what plays the policy, if not the policy alone
+
+
+# A policy learns more from few steps by many small updates.
+FEW_STEPS = {"matches": 32, "epochs": 10, "minibatch": 512, "entropy": 0.001}
+# Without it, a policy stays at boxes behind walls.
+WITH_MEMORY = ROOT / "submissions/learned-scavenger/agent.py"
+TRAINING = {
+    "navigation": Recipe({"random_maps": 64, "time_limit": 120, "frames_per_action": 15}, {}),
+    "gathering": Recipe(
+        {"preset": "ladder-gathering", "random_maps": 256, "frames_per_action": 10, "sensors": GATHERER},
+        FEW_STEPS,
+        Choose.DETERMINISTIC,
+        WITH_MEMORY,
+    ),
+    "battle": Recipe(
+        {
+            "preset": "ladder-battle",
+            "random_maps": 256,
+            "frames_per_action": 10,
+            "sensors": {"sights": {}, **GATHERER},
+            "rewards": {"supplies": 0.06, "hit": 0.3, "kill": 1},
+        },
+        FEW_STEPS,
+        Choose.DETERMINISTIC,
+        WITH_MEMORY,
+    ),
 }
 
 WHOLE = partial(mean, digits=0)
@@ -67,12 +98,17 @@ Results = Mapping[tuple[str, str], Any]  # by level and agent
 
 def trained_on(track: str, level: Level, seed: int, out: Path) -> SeatController:
     """Return a policy as a submission; it is trained, or its training goes on, unless that is done."""
-    hyperparameters, options = preset_settings("tuned", track, {"level": level, **TRAINING[track]})
+    recipe = TRAINING[track]
+    hyperparameters, options = preset_settings("tuned", track, {"level": level, **recipe.options})
+    hyperparameters = changed(hyperparameters, recipe.hyperparameters)
     settings = TrainingSettings(track, options, STEPS, seed, hyperparameters)
     run = (out if track == "navigation" else out / track) / level / f"seed-{seed}"
     train(settings, run, lambda _: None, resume=True, episodes=1)
+    files = policy_submission(run, settings, f"tuned-{level}", recipe.choose)
+    if recipe.agent is not None:
+        files["agent.py"] = recipe.agent.read_bytes()
     folder = run / "submission"
-    write_files(folder, policy_submission(run, settings, f"tuned-{level}", Choose.SAMPLED))
+    write_files(folder, files)
     return named_agent(str(folder))
 
 
@@ -100,15 +136,46 @@ def table(results: Results, track: str, score: str, shown: Callable[[Sequence[fl
     return "\n".join(lines) + "\n"
 
 
-def normalized(results: Results, track: str) -> Results:
-    """Return the supplies of agents on a scale of each level: 0 for ``random``, 1 for the reference."""
+def normalized(results: Results, track: str, at: Level | None = None) -> Results:
+    """Return the supplies of agents on a scale on which ``random`` has 0 and the reference 1.
+
+    The scale is that of a level, or that of each level itself.
+    """
     scaled = {}
     for (level, agent), one in results.items():
-        ends = [results.get((level, name)) for name in ("random", REFERENCES[track])]
+        ends = [results.get((at or level, name)) for name in ("random", REFERENCES[track])]
         if None not in ends:
             low, high = (statistics.fmean(end["supplies"]) for end in ends if end)
-            scaled[level, agent] = {"supplies": [(each - low) / (high - low) for each in one["supplies"]]}
+            runs = [[(each - low) / (high - low) for each in run["supplies"]] for run in one["runs"]]
+            scaled[level, agent] = together([{"supplies": run} for run in runs])
     return scaled
+
+
+def together(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the scores of several trainings of an agent as one result."""
+    scores = runs[0].keys() - {"level", "agent", "milliseconds"}
+    return {"runs": runs, **{score: [each for run in runs for each in run[score]] for score in scores}}
+
+
+def seeds_table(results: Results, score: str) -> str:
+    """Return what ``tuned`` reaches over its seeds, in Markdown, with bootstrap intervals.
+
+    The interquartile mean is that of all matches; the intervals resample the matches of each seed.
+    """
+    lines = ["", f"| `{TUNED}`, {score} | seeds | mean of each | mean | IQM | falls by |", "|---" * 6 + "|"]
+    last = None
+    for level in LEVELS:
+        if one := results.get((level, TUNED)):
+            runs = [run[score] for run in one["runs"]]
+            mean_of_all, middle = across_tracks(runs)
+            means = ", ".join(f"{statistics.fmean(run):.2f}" for run in runs)
+            shown = [
+                f"{each.value:.2f} ({each.low:.2f} to {each.high:.2f})" for each in (mean_of_all, middle)
+            ]
+            falls = "" if last is None else f"{last - mean_of_all.value:.2f}"
+            lines.append(f"| {level} | {len(runs)} | {means} | {' | '.join(shown)} | {falls} |")
+            last = mean_of_all.value
+    return "\n".join(lines) + "\n"
 
 
 def fall(easier: Sequence[float], harder: Sequence[float], score: str) -> tuple[float, float, float]:
@@ -146,25 +213,55 @@ def steps_table(results: Results, track: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def draw(results: Results, picture: Path) -> None:
-    """Draw the success of each agent over the levels, with 95 % intervals."""
+def results_of(track: str) -> Results:
+    """Return all that was played on a track."""
+    found: dict[tuple[str, str], list[Any]] = {}
+    for one in results_in(folder_of(track)):
+        found.setdefault((one["level"], one["agent"]), []).append(one)
+    return {which: together(runs) for which, runs in found.items()}
+
+
+def folder_of(track: str) -> Path:
+    """Return where the results of a track are."""
+    return RESULTS if track == "navigation" else RESULTS / track
+
+
+def draw(picture: Path) -> None:
+    """Draw what each agent reaches over the levels of each track, with 95 % intervals."""
     from matplotlib import pyplot as plt
 
-    figure, axes = plt.subplots(figsize=(8.0, 4.4), layout="constrained")
-    for agent, marker in zip(AGENTS["navigation"], "x^vDsPo*", strict=True):
-        places = [place for place, level in enumerate(LEVELS) if (level, agent) in results]
-        found = [results[list(LEVELS)[place], agent]["success"] for place in places]
-        middles = [statistics.fmean(successes) for successes in found]
-        bounds = [wilson(middle, len(one)) for middle, one in zip(middles, found, strict=True)]
-        (line,) = axes.plot(places, [100.0 * each for each in middles], marker=marker, label=agent)
-        low, high = ([100.0 * bound[side] for bound in bounds] for side in (0, 1))
-        axes.fill_between(places, low, high, alpha=0.12, color=line.get_color(), linewidth=0)
-    axes.set_xticks(range(len(LEVELS)), LEVELS)
-    axes.set_ylabel("targets reached, %")
-    axes.set_ylim(-2, 102)
-    axes.grid(alpha=0.3)
-    figure.legend(loc="outside right center", fontsize=8, frameon=False)
+    figure, panels = plt.subplots(1, len(AGENTS), figsize=(12.0, 4.4), layout="constrained", sharey=True)
+    names = list(dict.fromkeys(itertools.chain(*AGENTS.values())))
+    for axes, track in zip(panels, AGENTS, strict=True):
+        results, score = results_of(track), SUCCESS
+        if track in REFERENCES:
+            results, score = normalized(results, track, "easy"), "supplies"
+        for agent in AGENTS[track]:
+            places = [place for place, level in enumerate(LEVELS) if (level, agent) in results]
+            if agent == "random" or not places:
+                continue
+            found = [results[list(LEVELS)[place], agent][score] for place in places]
+            middles = [statistics.fmean(scores) for scores in found]
+            bounds = [bounds_of(scores, score) for scores in found]
+            style = {"marker": MARKS[names.index(agent)], "color": plt.get_cmap("tab20")(names.index(agent))}
+            axes.plot(places, [100.0 * each for each in middles], label=agent, **style)
+            low, high = ([100.0 * bound[side] for bound in bounds] for side in (0, 1))
+            axes.fill_between(places, low, high, alpha=0.12, color=style["color"], linewidth=0)
+        axes.set_xticks(range(len(LEVELS)), LEVELS, rotation=45)
+        of_easy = f"supplies, % of those of {REFERENCES[track]} on easy" if track in REFERENCES else ""
+        axes.set_title(of_easy or "targets reached, %", fontsize=10)
+        axes.grid(alpha=0.3)
+    handles = {
+        text: line for axes in panels for line, text in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(handles.values(), handles, loc="outside right center", fontsize=8, frameon=False)
     figure.savefig(picture, dpi=110)
+
+
+def bounds_of(scores: Sequence[float], score: str) -> tuple[float, float]:
+    """Return the 95 % interval of a mean."""
+    middle, reach = statistics.fmean(scores), half_width(scores)
+    return wilson(middle, len(scores)) if score == SUCCESS else (middle - reach, middle + reach)
 
 
 def main(
@@ -182,26 +279,25 @@ def main(
 ) -> None:
     """Play what is missing; print the tables."""
     chosen: list[Any] = [level for level in LEVELS if level in levels.split(",")]
-    folder = RESULTS if track == "navigation" else RESULTS / track
     for level in chosen:
         for name in AGENTS[track] if agents is None else filter(None, agents.split(",")):
             file = f"{level}-{name}-{seed}.json" if name == TUNED and seed else f"{level}-{name}.json"
             add(
-                folder / file,
+                folder_of(track) / file,
                 lambda level=level, name=name: measured(track, level, name, seed, matches, out),
             )
-    results: dict[tuple[str, str], Any] = {}
-    for one in results_in(folder):
-        known = results.setdefault((one["level"], one["agent"]), one)
-        for score in SCORES[track] if known is not one else ():
-            known[score] += one[score]  # of another training
+    results = results_of(track)
     for score, shown in SCORES[track].items():
         sys.stdout.write(table(results, track, score, shown))
-    if scaled := normalized(results, track) if track in REFERENCES else {}:
-        sys.stdout.write(table(scaled, track, "supplies", mean))
+    if track == "navigation":
+        sys.stdout.write(seeds_table(results, SUCCESS))
+    else:
+        of_easy = normalized(results, track, "easy")
+        sys.stdout.write(table(of_easy, track, "supplies", mean) + seeds_table(of_easy, "supplies"))
+        sys.stdout.write(table(normalized(results, track), track, "supplies", mean))
     sys.stdout.write(steps_table(results, track))
     if picture is not None:
-        draw(results, picture)
+        draw(picture)
 
 
 if __name__ == "__main__":
