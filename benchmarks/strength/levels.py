@@ -7,7 +7,7 @@ plays the same matches on the test maps of a level with each agent, as ``wildsca
 in the folder of results, and prints the tables of all that is there; with ``--agents ''`` it only does that.
 ``--track gathering`` and ``--track battle`` do the same for the ladders of these tracks; the picture shows
 all three. With ``--seed 1``, another ``tuned`` joins those that are there. Where the score is no rate, it is
-also given as a share of what the reference carries on easy, and of what it carries on the same level.
+also given as a share of what the reference carries on easy.
 """
 
 import itertools
@@ -61,7 +61,7 @@ class Recipe(NamedTuple):
 
 
 # A policy learns more from few steps by many small updates.
-FEW_STEPS = {"matches": 32, "epochs": 10, "minibatch": 512, "entropy": 0.001}
+FEW_STEPS = {"matches": 32, "epochs": 10, "learning_rate": 0.0005, "entropy": 0.001}
 # Without it, a policy stays at boxes behind walls.
 WITH_MEMORY = ROOT / "submissions/learned-scavenger/agent.py"
 TRAINING = {
@@ -136,19 +136,17 @@ def table(results: Results, track: str, score: str, shown: Callable[[Sequence[fl
     return "\n".join(lines) + "\n"
 
 
-def normalized(results: Results, track: str, at: Level | None = None) -> Results:
-    """Return the supplies of agents on a scale on which ``random`` has 0 and the reference 1.
-
-    The scale is that of a level, or that of each level itself.
-    """
-    scaled = {}
-    for (level, agent), one in results.items():
-        ends = [results.get((at or level, name)) for name in ("random", REFERENCES[track])]
-        if None not in ends:
-            low, high = (statistics.fmean(end["supplies"]) for end in ends if end)
-            runs = [[(each - low) / (high - low) for each in run["supplies"]] for run in one["runs"]]
-            scaled[level, agent] = together([{"supplies": run} for run in runs])
-    return scaled
+def normalized(results: Results, track: str) -> Results:
+    """Return the supplies of agents on a scale on which, on easy, ``random`` has 0 and the reference 1."""
+    low, high = (
+        statistics.fmean(results["easy", name]["supplies"]) for name in ("random", REFERENCES[track])
+    )
+    return {
+        which: together(
+            [{"supplies": [(each - low) / (high - low) for each in run["supplies"]]} for run in one["runs"]]
+        )
+        for which, one in results.items()
+    }
 
 
 def together(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
@@ -235,7 +233,7 @@ def draw(picture: Path) -> None:
     for axes, track in zip(panels, AGENTS, strict=True):
         results, score = results_of(track), SUCCESS
         if track in REFERENCES:
-            results, score = normalized(results, track, "easy"), "supplies"
+            results, score = normalized(results, track), "supplies"
         for agent in AGENTS[track]:
             places = [place for place, level in enumerate(LEVELS) if (level, agent) in results]
             if agent == "random" or not places:
@@ -292,9 +290,8 @@ def main(
     if track == "navigation":
         sys.stdout.write(seeds_table(results, SUCCESS))
     else:
-        of_easy = normalized(results, track, "easy")
+        of_easy = normalized(results, track)
         sys.stdout.write(table(of_easy, track, "supplies", mean) + seeds_table(of_easy, "supplies"))
-        sys.stdout.write(table(normalized(results, track), track, "supplies", mean))
     sys.stdout.write(steps_table(results, track))
     if picture is not None:
         draw(picture)
