@@ -1,8 +1,9 @@
 """Uploads of archives: written to disk piece by piece, so that they take no memory, whatever their size."""
 
 import tempfile
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections import Counter
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -18,13 +19,14 @@ from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import in_force
-from wildscav_leaderboard.seasons.refusals import TooLargeError
+from wildscav_leaderboard.seasons.refusals import TooLargeError, TooMuchError
 from wildscav_leaderboard.submissions.archives import check_archive, checked_suffix, store_archive
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import check_accepting, hand_in
 from wildscav_leaderboard.teams.service import own_team
 
 NAME = "submission"
+AT_ONCE = 3  # uploads of an account; the quota of a day counts them only when they are done
 READ = 2  # times the largest archive; of whatever is larger, no more than that is read
 
 
@@ -50,12 +52,30 @@ class Upload:
         """
         run, written = anyio.to_thread.run_sync, self.request.app.state.season
         season = await run(check_upload_wanted, self.database, written, account, self.now)
-        async with uploaded(self.request, season, self.suffix) as path:
-            place = self.database, season, account, path
-            return await run(take_upload, *place, self.message, self.now, self.replaces)
+        running: Counter[int] = self.request.app.state.uploads
+        with one_of(running, account):
+            async with uploaded(self.request, season, self.suffix) as path:
+                place = self.database, season, account, path
+                return await run(take_upload, *place, self.message, self.now, self.replaces)
 
 
 Uploaded = Annotated[Upload, Depends()]
+
+
+@contextmanager
+def one_of(running: Counter[int], account: Account) -> Iterator[None]:
+    """Count an upload of an account among those in progress.
+
+    Raises:
+        TooMuchError: The account has as many as it may.
+    """
+    if running[account.id] >= AT_ONCE:
+        raise TooMuchError(f"you are uploading {AT_ONCE} submissions already: wait until one has arrived")
+    running[account.id] += 1
+    try:
+        yield
+    finally:
+        running[account.id] -= 1
 
 
 @asynccontextmanager

@@ -178,6 +178,13 @@ def test_pages_are_shown_however_many_uploads_are_in_progress(arena: Arena) -> N
         assert arena.client.get("/", timeout=20.0).status_code == 200
 
 
+def test_an_account_uploads_three_submissions_at_once(arena: Arena) -> None:
+    with uploading(arena, 3):
+        refused = arena.upload(pieces(1, []))
+        assert (refused.status_code, "uploading 3 submissions already" in refused.text) == (429, True)
+    assert arena.upload(pieces(1, [])).status_code == 422
+
+
 @pytest.mark.parametrize("is_announced", [True, False])
 @pytest.mark.parametrize("path", ["/login", "/api/v1/tokens"])
 def test_a_form_or_document_that_is_too_large_is_refused(arena: Arena, path: str, is_announced: bool) -> None:
