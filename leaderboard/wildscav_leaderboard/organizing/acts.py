@@ -247,9 +247,8 @@ def show_notes(doing: Doing, number: MatchNumber) -> None:
 
 def given_up(session: Session, submissions: Sequence[Submission]) -> dict[int, list[int]]:
     """Return the matches of some submissions that were given up and can be played again, by submission."""
-    # Those of earlier editions would wait for ever.
-    in_force = Match.edition_id.is_(None) | Match.edition_id.in_(edition_numbers(session).values())
     active = [one.id for one in submissions if one.state == states.ACTIVE]
+    in_force = matches.are_in_force(session)  # others would wait for ever
     of_suites = (Match.kind != LADDER, Match.group_id.in_(active), Match.state == VOID)
     wanted = select(Match.group_id, Match.id).where(*of_suites, in_force)
     found: dict[int, list[int]] = {}
