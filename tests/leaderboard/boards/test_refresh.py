@@ -31,6 +31,7 @@ from wildscav_leaderboard.organizing import acts
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.teams.service import find_team
+from wildscav_leaderboard.visibility import audience_of
 
 
 class CutOffError(Exception):
@@ -291,6 +292,21 @@ def test_totals_and_progress_count_the_rules_in_force_and_the_results_that_took_
     season.act(acts.rejudge, submission="1", reason="a disk failed")
     assert seen(None) == ([], (2, 2)), "the totals are told when all results have arrived"
     assert seen(9.0) == (totals(9.0), (2, 2))
+
+
+def test_a_disqualified_team_leaves_the_boards_of_earlier_editions_too(season: Conducted) -> None:
+    def teams() -> list[str]:
+        season.refresh()
+        return [row.team for row in season.board("navigation", audience_of(1)).rows]
+
+    for attempt, _ in season.take_matches(4):
+        assert season.played(attempt)
+    apply_longer_matches(season)
+    assert sorted(teams()) == ["foxes", "owls"]
+    season.act(acts.disqualify_team, "owls", reason="cheats")
+    assert teams() == ["foxes"]
+    season.act(acts.requalify_team, "owls", reason="a mistake")
+    assert sorted(teams()) == ["foxes", "owls"]
 
 
 def test_whatever_takes_no_part_has_no_progress(three: Conducted) -> None:
