@@ -1,8 +1,9 @@
 """Uploads of archives: written to disk piece by piece, so that they take no memory, whatever their size."""
 
 import tempfile
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections import Counter
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -12,27 +13,31 @@ import anyio
 import anyio.to_thread
 from fastapi import Depends, Query, Request
 
-from wildscav_leaderboard.access.requests import CurrentDatabase, CurrentSeason, Now, Number
+from wildscav_leaderboard.access.requests import CurrentDatabase, Now, Number
 from wildscav_leaderboard.accounts.models import Account
 from wildscav_leaderboard.database.connection import Database
 from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.refusals import TooLargeError
+from wildscav_leaderboard.seasons.in_force import in_force
+from wildscav_leaderboard.seasons.refusals import TooLargeError, TooMuchError
 from wildscav_leaderboard.submissions.archives import check_archive, checked_suffix, store_archive
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import check_accepting, hand_in
 from wildscav_leaderboard.teams.service import own_team
 
 NAME = "submission"
+AT_ONCE = 3  # uploads of an account; the quota of a day counts them only when they are done
 READ = 2  # times the largest archive; of whatever is larger, no more than that is read
 
 
 @dataclass(frozen=True)
 class Upload:
-    """A request whose body is an archive that is handed in."""
+    """A request whose body is an archive that is handed in.
+
+    It depends on no session: that would be open until the body has arrived, however slowly it is sent.
+    """
 
     request: Request
-    season: CurrentSeason
     database: CurrentDatabase
     now: Now
     message: Annotated[str, Query(max_length=1000)] = ""
@@ -45,13 +50,32 @@ class Upload:
         Raises:
             RefusalError: It is not accepted now, which is checked before it is read, or not valid.
         """
-        run, place = anyio.to_thread.run_sync, (self.database, self.season, account)
-        await run(check_upload_wanted, *place, self.now)
-        async with uploaded(self.request, self.season, self.suffix) as path:
-            return await run(take_upload, *place, path, self.message, self.now, self.replaces)
+        run, written = anyio.to_thread.run_sync, self.request.app.state.season
+        season = await run(check_upload_wanted, self.database, written, account, self.now)
+        running: Counter[int] = self.request.app.state.uploads
+        with one_of(running, account):
+            async with uploaded(self.request, season, self.suffix) as path:
+                place = self.database, season, account, path
+                return await run(take_upload, *place, self.message, self.now, self.replaces)
 
 
 Uploaded = Annotated[Upload, Depends()]
+
+
+@contextmanager
+def one_of(running: Counter[int], account: Account) -> Iterator[None]:
+    """Count an upload of an account among those in progress.
+
+    Raises:
+        TooMuchError: The account has as many as it may.
+    """
+    if running[account.id] >= AT_ONCE:
+        raise TooMuchError(f"you are uploading {AT_ONCE} submissions already: wait until one has arrived")
+    running[account.id] += 1
+    try:
+        yield
+    finally:
+        running[account.id] -= 1
 
 
 @asynccontextmanager
@@ -80,15 +104,20 @@ async def uploaded(request: Request, season: Season, suffix: str) -> AsyncIterat
         yield path
 
 
-def check_upload_wanted(database: Database, season: Season, account: Account, now: datetime) -> None:
+def check_upload_wanted(database: Database, season: Season, account: Account, now: datetime) -> Season:
     """Check that an account may hand in a submission now, before it is uploaded.
+
+    Returns:
+        The season with the rules that are in force.
 
     Raises:
         RefusalError: It may not, or there is no room for it.
     """
     check_room(season)
     with database.reading() as session:
+        season = in_force(session, season)
         check_accepting(session, season, own_team(session, account), account, now)
+    return season
 
 
 def take_upload(

@@ -17,6 +17,7 @@ from wildscav_leaderboard.access.requests import (
     Now,
     Number,
     Reading,
+    season_of,
 )
 from wildscav_leaderboard.access.uploads import Uploaded
 from wildscav_leaderboard.accounts.service import Caller
@@ -135,8 +136,9 @@ Limit = Annotated[int, Query(ge=1, le=MAX_LISTED)]
 )
 async def submit(caller: KnownProgram, upload: Uploaded) -> HandedIn:
     """Hand in a submission; the body of the request is its archive."""
-    one, season = await upload.take(caller.account), upload.season
+    one = await upload.take(caller.account)
     with upload.database.reading() as session:
+        season = season_of(upload.request, session)
         view = submission_view(session, season, session.get_one(Submission, one.id), caller, upload.now)
         quota = quota_view(session, season, own_team(session, caller.account), upload.now)
     return HandedIn(submission=view, quota=quota)

@@ -7,6 +7,7 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards.documents import ProgressView, TotalsView
 from wildscav_leaderboard.matches.models import FINISHED, SUITE, VOID, Match, MatchResult, MatchSeat
+from wildscav_leaderboard.matches.service import are_in_force
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.states import ACTIVE
@@ -16,13 +17,15 @@ from wildscav_leaderboard.teams.models import Team
 def totals_of(session: Session, submission: Submission) -> list[TotalsView]:
     """Return a submission's totals on each suite on which all of its matches are over.
 
-    There are none before: each change of them would tell one match.
+    They count the matches under the rules in force. There are none before: each change of them would tell
+    one match.
     """
     result = (MatchResult.score, MatchResult.fault, MatchResult.row["status"])
     wanted = (
         select(Match.track, Match.state, *result)
         .outerjoin(MatchResult, MatchResult.match_id == Match.id)
         .where(Match.kind == SUITE, Match.group_id == submission.id)
+        .where(are_in_force(session), Match.superseded.is_(None))
         .order_by(Match.track, Match.number)
     )
     over = (FINISHED,) if submission.state == ACTIVE else (FINISHED, VOID)
@@ -66,11 +69,15 @@ def progress_of(session: Session, season: Season, submission: Submission) -> lis
 
 
 def _counts(session: Session, submission: Submission) -> dict[str, dict[str, int]]:
-    """Return how many matches a submission has, by track and state, without those that decide the season."""
+    """Return how many matches a submission has under the rules in force, by track and state.
+
+    Matches that decide the season do not count, and a match that is judged again counts once.
+    """
     wanted = (
         select(Match.track, Match.state, func.count(Match.id.distinct()))
         .join(MatchSeat, MatchSeat.match_id == Match.id)
         .where(MatchSeat.submission_id == submission.id, ~Match.decides, Match.state != VOID)
+        .where(are_in_force(session), Match.judging == 1)
         .group_by(Match.track, Match.state)
     )
     found: dict[str, dict[str, int]] = {}

@@ -187,7 +187,9 @@ def _earlier(session: Session, season: Season) -> Iterator[_OutOfDate]:
         row = session.get_one(EditionRow, number)
         name, edition = f"board:{row.track}:{number}", Edition.model_validate(row.document)
         rules = _Rules(row.track, edition.settings, edition.metrics, edition.matches, edition.conditions)
-        yield _OutOfDate(name, {"results": count}, rules, (audience_of(row.id),), edition=row.id)
+        entrants = [(one.id, team.name, team.title) for one, team in _entered_before(session, row.id)]
+        mark = {"results": count, "entrants": _digest(entrants)}
+        yield _OutOfDate(name, mark, rules, (audience_of(row.id),), edition=row.id)
 
 
 def after_boards(session: Session, now: datetime) -> datetime:
@@ -219,8 +221,11 @@ def _who_takes_part(session: Session, track: str) -> str:
     columns = (Submission.playing, Submission.id, Submission.since, Team.name, Team.title)
     wanted = select(*columns).join(Team, Team.id == Submission.team_id).order_by(Submission.id)
     found = session.execute(wanted.where(Submission.state == states.ACTIVE, Team.disqualified.is_(None)))
-    own = [tuple(one) for playing, *one in found if track in playing]
-    return blake2b(repr(own).encode(), digest_size=16).hexdigest()
+    return _digest([tuple(one) for playing, *one in found if track in playing])
+
+
+def _digest(entrants: Sequence[tuple[Any, ...]]) -> str:
+    return blake2b(repr(entrants).encode(), digest_size=16).hexdigest()
 
 
 def _store(session: Session, computed: Computed, audience: str) -> None:

@@ -1,6 +1,7 @@
 """The web application: the API and the pages of one season."""
 
 import asyncio
+from collections import Counter
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
@@ -62,7 +63,7 @@ def create_app(
         lifespan=lifespan,
     )
     app.state.season, app.state.database = season, database
-    app.state.readers = asyncio.Semaphore(READERS)
+    app.state.readers, app.state.uploads = asyncio.Semaphore(READERS), Counter()
     app.state.renders, app.state.tables = renders, tables
     app.state.streams = Streams(LiveMatches(season.live), partial(_why_hidden, app))
     app.include_router(api_router())

@@ -6,7 +6,7 @@ from datetime import datetime
 from itertools import chain, zip_longest
 from typing import Any, NamedTuple
 
-from sqlalchemy import ColumnElement, and_, func, select, update
+from sqlalchemy import ColumnElement, and_, func, or_, select, update
 from sqlalchemy.orm import Session, defer
 
 from wildscav_engine.specs.match_spec import MatchSpec
@@ -202,6 +202,13 @@ def seats_of(session: Session, matches: Sequence[int]) -> dict[int, list[Seat]]:
     for match, seat, entrant, submission in session.execute(wanted):
         found[match].append(Seat(seat, entrant, submission))
     return found
+
+
+def are_in_force(session: Session) -> ColumnElement[bool]:
+    """Select the matches of the editions in force; those of a track that has none are of no edition."""
+    numbers = edition_numbers(session)
+    of_none = and_(Match.edition_id.is_(None), Match.track.not_in(numbers))
+    return or_(Match.edition_id.in_(numbers.values()), of_none)
 
 
 def next_matches(session: Session, editions: Mapping[str, int | None], count: int) -> list[Match]:

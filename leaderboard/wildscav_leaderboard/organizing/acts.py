@@ -40,8 +40,8 @@ from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import is_decided
 from wildscav_leaderboard.submissions import states
 from wildscav_leaderboard.submissions.models import Submission
-from wildscav_leaderboard.submissions.quotas import check_room
-from wildscav_leaderboard.submissions.service import DISQUALIFIED, find_submission, move, note
+from wildscav_leaderboard.submissions.quotas import check_room, tracks_with_room
+from wildscav_leaderboard.submissions.service import DISQUALIFIED, NO_PLACE, find_submission, move, note
 from wildscav_leaderboard.teams.models import Team
 from wildscav_leaderboard.teams.service import find_team
 
@@ -247,9 +247,8 @@ def show_notes(doing: Doing, number: MatchNumber) -> None:
 
 def given_up(session: Session, submissions: Sequence[Submission]) -> dict[int, list[int]]:
     """Return the matches of some submissions that were given up and can be played again, by submission."""
-    # Those of earlier editions would wait for ever.
-    in_force = Match.edition_id.is_(None) | Match.edition_id.in_(edition_numbers(session).values())
     active = [one.id for one in submissions if one.state == states.ACTIVE]
+    in_force = matches.are_in_force(session)  # others would wait for ever
     of_suites = (Match.kind != LADDER, Match.group_id.in_(active), Match.state == VOID)
     wanted = select(Match.group_id, Match.id).where(*of_suites, in_force)
     found: dict[int, list[int]] = {}
@@ -303,8 +302,13 @@ def requalify_team(doing: Doing, name: TeamName, *, reason: Reason) -> None:
         raise RefusalError(f"the team {name} is not disqualified")
     why, team.disqualified = f"{TEAM_DISQUALIFIED}{team.disqualified}", None
     wanted = select(Submission).filter_by(team_id=team.id, state=states.DISABLED, reason=why)
-    for submission in doing.session.scalars(wanted.order_by(Submission.id)).all():
-        take_part_again(doing, submission, reason)
+    # The newest first, since older ones had left the tracks on which newer ones took their place.
+    for submission in doing.session.scalars(wanted.order_by(Submission.id.desc())).all():
+        if tracks := tracks_with_room(doing.session, doing.season.settings.quotas, submission):
+            _take_part(doing, submission, tracks, reason)
+        else:  # its team may restore it once there is room
+            submission.reason = NO_PLACE
+            note(doing.session, submission, doing.now, NO_PLACE)
 
 
 @act("submission {number}", says="{number} takes part again")
@@ -333,17 +337,22 @@ def take_part_again(doing: Doing, submission: Submission, reason: str) -> Submis
     Raises:
         RefusalError: It is not disabled, its team is disqualified, or has enough others that take part.
     """
+    _check_not_disqualified(doing.session, submission)
+    if submission.state in (states.DISABLED, states.ACTIVE):
+        check_room(doing.session, doing.season.settings.quotas, submission)
+    return _take_part(doing, submission, list(submission.tracks), reason)
+
+
+def _take_part(doing: Doing, submission: Submission, tracks: list[str], reason: str) -> Submission:
+    """Let a submission take part on some of its tracks, all of which have room for it."""
     from wildscav_leaderboard.conductor.plans import plan_suites  # which loads SciPy, for ladders
 
     session, season, _, now = doing
-    _check_not_disqualified(session, submission)
-    if submission.state in (states.DISABLED, states.ACTIVE):
-        check_room(session, season.settings.quotas, submission)
-    if submission.state == states.ACTIVE and submission.playing != submission.tracks:  # it left some
+    if submission.state == states.ACTIVE and submission.playing != tracks:  # it left some
         note(session, submission, now, reason)
-        submission.playing = list(submission.tracks)
     else:
         move(session, submission, states.ACTIVE, now, detail=reason)
+    submission.playing = tracks
     if not season_state.is_decided(session):
         plan_suites(session, season, submission, now)
     field = (season_state.read_state(session, season_state.FINALIZING) or {}).get("field") or {}

@@ -59,6 +59,15 @@ def on_track(session: Session, team_id: int, track: str) -> list[Submission]:
     return [one for one in reversed(active_of(session, team_id)) if track in one.playing]
 
 
+def _others(session: Session, submission: Submission, track: str) -> list[Submission]:
+    return [one for one in on_track(session, submission.team_id, track) if one is not submission]
+
+
+def tracks_with_room(session: Session, quotas: Quotas, submission: Submission) -> list[str]:
+    """Return the tracks on which a submission may take part besides the others of its team."""
+    return [one for one in submission.tracks if len(_others(session, submission, one)) < quotas.active]
+
+
 def check_room(session: Session, quotas: Quotas, submission: Submission) -> None:
     """Check that a submission may take part on all of its tracks besides the others of its team.
 
@@ -66,7 +75,7 @@ def check_room(session: Session, quotas: Quotas, submission: Submission) -> None
         TooMuchError: Enough of them take part on one of its tracks; it names them.
     """
     for track in submission.tracks:
-        others = [one for one in on_track(session, submission.team_id, track) if one is not submission]
+        others = _others(session, submission, track)
         if len(others) >= quotas.active:
             raise TooMuchError(f"{_full(quotas, track, others)}: disable one of them first")
 
@@ -81,7 +90,7 @@ def replaced_by(session: Session, quotas: Quotas, submission: Submission) -> lis
     """
     found: list[tuple[str, Submission]] = []
     for track in submission.tracks:
-        others = [one for one in on_track(session, submission.team_id, track) if one is not submission]
+        others = _others(session, submission, track)
         surplus = len(others) + 1 - quotas.active
         named = [one for one in others if one.id == submission.replaces]
         free = [one for one in others if not one.kept and one not in named]

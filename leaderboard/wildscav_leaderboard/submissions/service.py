@@ -22,6 +22,7 @@ LONGEST_MESSAGE = 200  # characters
 MAX_LISTED = 100  # submissions in one list
 PLATFORM = "platform"
 DISQUALIFIED = "disqualified: "  # begins the reason for which a submission is disabled
+NO_PLACE = "newer submissions of the team take part already"  # why one takes no part
 INSTEAD = {  # of handing in the same content again, by the state of the earlier submission
     states.DISABLED: " (restore it, and it goes on with its results)",
     states.FAILED: " (change what made it fail)",
@@ -228,7 +229,7 @@ def activate(
     for track, old in replaced:
         reason = f"replaced by submission {submission.id}"
         if old is submission:  # that an attempt more, or an organizer, held up
-            reason = "newer submissions of the team take part already"
+            reason = NO_PLACE
         old.playing = [one for one in old.playing if one != track]
         if old.playing:
             note(session, old, now, f"{reason} on {track}")

@@ -22,12 +22,16 @@ from wildscav_leaderboard.boards.service import compute, refresh
 from wildscav_leaderboard.boards.suite_scores import SuiteScores
 from wildscav_leaderboard.conductor import steps
 from wildscav_leaderboard.conductor.conductor import Conductor
+from wildscav_leaderboard.conductor.editions import apply_editions
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.conductor.plans import rate_ladders
 from wildscav_leaderboard.matches.models import FINISHED, Match
 from wildscav_leaderboard.matches.service import find_match, seats_of
+from wildscav_leaderboard.organizing import acts
 from wildscav_leaderboard.seasons import state as season_state
+from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.teams.service import find_team
+from wildscav_leaderboard.visibility import audience_of
 
 
 class CutOffError(Exception):
@@ -257,6 +261,52 @@ def test_totals_of_a_suite_are_told_when_all_of_its_matches_are_over(three: Cond
         with three.database.reading() as session:
             found.append(totals_of(session, three.submission(number)))
     assert found == [[], [TotalsView(track="navigation", matches=2, score=4.0, faults={})]]
+
+
+def apply_longer_matches(season: Conducted) -> None:
+    """Let the suite of navigation have matches of 5 s instead of 4 s from now on."""
+    path = season.season.folder / "tiny.toml"
+    path.write_text(path.read_text().replace("time_limit = 4 }", "time_limit = 5 }"))
+    season.season = Season.open(season.season.folder)
+    season.write(lambda session: apply_editions(session, season.season, "anna", season.now))
+
+
+def test_totals_and_progress_count_the_rules_in_force_and_the_results_that_took_the_place_of_others(
+    season: Conducted,
+) -> None:
+    def seen(score: float | None) -> tuple[list[TotalsView], tuple[int, int]]:
+        """Play all that waits with a score; return the foxes' totals and progress."""
+        for attempt, _ in season.take_matches(8) if score is not None else ():
+            assert season.played(attempt, score)
+        with season.database.reading() as session:
+            (progress,) = progress_of(session, season.season, season.submission(1))
+            return totals_of(session, season.submission(1)), (progress.played, progress.planned)
+
+    def totals(score: float) -> list[TotalsView]:
+        return [TotalsView(track="navigation", matches=2, score=score, faults={})]
+
+    assert seen(1.0) == (totals(1.0), (2, 2))
+    apply_longer_matches(season)
+    assert seen(None) == ([], (0, 2))
+    assert seen(3.0) == (totals(3.0), (2, 2))
+    season.act(acts.rejudge, submission="1", reason="a disk failed")
+    assert seen(None) == ([], (2, 2)), "the totals are told when all results have arrived"
+    assert seen(9.0) == (totals(9.0), (2, 2))
+
+
+def test_a_disqualified_team_leaves_the_boards_of_earlier_editions_too(season: Conducted) -> None:
+    def teams() -> list[str]:
+        season.refresh()
+        return [row.team for row in season.board("navigation", audience_of(1)).rows]
+
+    for attempt, _ in season.take_matches(4):
+        assert season.played(attempt)
+    apply_longer_matches(season)
+    assert sorted(teams()) == ["foxes", "owls"]
+    season.act(acts.disqualify_team, "owls", reason="cheats")
+    assert teams() == ["foxes"]
+    season.act(acts.requalify_team, "owls", reason="a mistake")
+    assert sorted(teams()) == ["foxes", "owls"]
 
 
 def test_whatever_takes_no_part_has_no_progress(three: Conducted) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select
 from tests.leaderboard.conductor.conducted import Conducted, conducting
-from tests.leaderboard.seasons_made import make_season
+from tests.leaderboard.seasons_made import changed, make_season
 
 from wildscav_leaderboard.matches.models import Match, MatchSeat
 from wildscav_leaderboard.organizing import acts
@@ -120,6 +120,26 @@ def test_the_cap_counts_for_each_track_and_a_submission_leaves_only_the_track_wh
     season.decide("disable", second)
     season.decide("restore", both)
     assert season.submission(both).playing == list(BOTH)
+
+
+def test_a_requalified_team_takes_part_as_before_it_was_disqualified(season: Conducted) -> None:
+    numbers = [season.active(tracks=tracks) for tracks in (BOTH, ("battle",), ("battle",))]
+
+    def requalified(active: int = 2) -> list[list[str]]:
+        """Disqualify the team, and requalify it where so many may take part; return who plays where."""
+        season.act(acts.disqualify_team, "foxes", reason="cheats")
+        quotas = season.season.settings.quotas.model_copy(update={"active": active})
+        season.season = changed(season.season, quotas=quotas)
+        season.act(acts.requalify_team, "foxes", reason="it was another person")
+        return [season.submission(number).playing for number in numbers]
+
+    assert requalified() == [["navigation"], ["battle"], ["battle"]]
+    assert requalified(active=1) == [["navigation"], [], ["battle"]]
+    second = season.submission(numbers[1])
+    assert (second.state, second.reason) == ("disabled", "newer submissions of the team take part already")
+    season.decide("disable", numbers[2])
+    season.decide("restore", numbers[1])
+    assert season.submission(numbers[1]).playing == ["battle"]
 
 
 def test_a_team_disables_and_restores_its_submissions_and_keeps_their_results(season: Conducted) -> None:

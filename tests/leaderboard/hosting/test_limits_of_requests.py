@@ -1,11 +1,17 @@
 """How often one may ask, how often a password may be tried, and how much one may send."""
 
+import asyncio
+import threading
+import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
 import httpx
 import pytest
+from fastapi import FastAPI
 from tests.leaderboard.filled_season import PASSWORD
 from tests.leaderboard.hosting.clients import serving
 from tests.leaderboard.seasons_made import NOON, changed, make_season, opened
@@ -30,6 +36,11 @@ class Arena(NamedTuple):
     season: Season
     client: httpx.Client
     token: str
+    app: FastAPI
+
+    def upload(self, body: Iterator[bytes]) -> httpx.Response:
+        headers = {"Authorization": f"Bearer {self.token}"}
+        return self.client.post("/api/v1/submissions", content=body, headers=headers)
 
 
 @pytest.fixture
@@ -42,8 +53,8 @@ def arena(tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.Mo
             account = add_account(session, "owls", hashed(PASSWORD), "competitor", NOON)
             make_team(session, account, "owls", "", NOON)
             token = new_token(session, account, "test", NOON)
-        with serving(season, database) as (_, client):
-            yield Arena(season, client, token)
+        with serving(season, database) as (app, client):
+            yield Arena(season, client, token, app)
 
 
 def pieces(count: int, sent: list[int]) -> Iterator[bytes]:
@@ -123,9 +134,8 @@ def test_an_address_that_asks_too_often_is_told_when_to_come_back(arena: Arena) 
 
 def test_an_archive_that_is_too_large_is_not_read_to_its_end_and_leaves_no_file(arena: Arena) -> None:
     sent: list[int] = []
-    headers = {"Authorization": f"Bearer {arena.token}"}
     try:
-        response = arena.client.post("/api/v1/submissions", content=pieces(4000, sent), headers=headers)
+        response = arena.upload(pieces(4000, sent))
         assert response.status_code == 413
         assert "larger than 1 MiB" in response.text
     except httpx.TransportError:
@@ -135,12 +145,44 @@ def test_an_archive_that_is_too_large_is_not_read_to_its_end_and_leaves_no_file(
 
 
 def test_an_archive_that_is_no_archive_leaves_no_file(arena: Arena) -> None:
-    headers = {"Authorization": f"Bearer {arena.token}"}
-
-    response = arena.client.post("/api/v1/submissions", content=pieces(3, []), headers=headers)
+    response = arena.upload(pieces(3, []))
 
     assert response.status_code == 422
     assert [path for path in arena.season.files.rglob("*") if path.is_file()] == []
+
+
+@contextmanager
+def uploading(arena: Arena, count: int) -> Iterator[None]:
+    """Have several uploads in progress, whose archives arrive at the end of the block."""
+    arrives = threading.Event()
+
+    def body() -> Iterator[bytes]:
+        yield PIECE
+        arrives.wait(30.0)
+
+    with ThreadPoolExecutor(count) as pool:
+        sent = [pool.submit(arena.upload, body()) for _ in range(count)]
+        try:
+            while len(list(arena.season.files.glob("upload-*"))) < count:
+                assert not any(one.done() for one in sent)
+                time.sleep(0.01)
+            yield
+        finally:
+            arrives.set()
+    assert {one.result().status_code for one in sent} == {422}  # it is no archive
+
+
+def test_pages_are_shown_however_many_uploads_are_in_progress(arena: Arena) -> None:
+    arena.app.state.readers = asyncio.Semaphore(1)  # that may read at a time
+    with uploading(arena, 2):
+        assert arena.client.get("/", timeout=20.0).status_code == 200
+
+
+def test_an_account_uploads_three_submissions_at_once(arena: Arena) -> None:
+    with uploading(arena, 3):
+        refused = arena.upload(pieces(1, []))
+        assert (refused.status_code, "uploading 3 submissions already" in refused.text) == (429, True)
+    assert arena.upload(pieces(1, [])).status_code == 422
 
 
 @pytest.mark.parametrize("is_announced", [True, False])
