@@ -27,6 +27,7 @@ from wildscav_leaderboard.teams.service import own_team
 
 NAME = "submission"
 AT_ONCE = 3  # uploads of an account; the quota of a day counts them only when they are done
+CHECKED = 4  # archives at a time: a check takes a thread, which pages need, too
 READ = 2  # times the largest archive; of whatever is larger, no more than that is read
 
 
@@ -52,9 +53,9 @@ class Upload:
         """
         run, written = anyio.to_thread.run_sync, self.request.app.state.season
         season = await run(check_upload_wanted, self.database, written, account, self.now)
-        running: Counter[int] = self.request.app.state.uploads
-        with one_of(running, account):
-            async with uploaded(self.request, season, self.suffix) as path:
+        state = self.request.app.state
+        with one_of(state.uploads, account):
+            async with uploaded(self.request, season, self.suffix) as path, state.checks:
                 place = self.database, season, account, path
                 return await run(take_upload, *place, self.message, self.now, self.replaces)
 

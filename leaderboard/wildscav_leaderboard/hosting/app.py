@@ -16,6 +16,7 @@ from wildscav.errors import UserError
 from wildscav.version import __version__
 from wildscav_evaluator.cache import cache_folder
 from wildscav_leaderboard.access.rate_limits import AddressLimit
+from wildscav_leaderboard.access.uploads import CHECKED
 from wildscav_leaderboard.api.routers import PREFIX, answer, api_router, as_json
 from wildscav_leaderboard.database.connection import READERS, Database, DatabaseError
 from wildscav_leaderboard.hosting.middleware import BodyLimit, BrokenRequests, HeadRequests, SecurityHeaders
@@ -63,7 +64,8 @@ def create_app(
         lifespan=lifespan,
     )
     app.state.season, app.state.database = season, database
-    app.state.readers, app.state.uploads = asyncio.Semaphore(READERS), Counter()
+    app.state.readers, app.state.checks = asyncio.Semaphore(READERS), asyncio.Semaphore(CHECKED)
+    app.state.uploads = Counter()  # in progress, by account
     app.state.renders, app.state.tables = renders, tables
     app.state.streams = Streams(LiveMatches(season.live), partial(_why_hidden, app))
     app.include_router(api_router())

@@ -16,11 +16,12 @@ from tests.leaderboard.filled_season import PASSWORD
 from tests.leaderboard.hosting.clients import serving
 from tests.leaderboard.seasons_made import NOON, changed, make_season, opened
 
-from wildscav_leaderboard.access import logins
+from wildscav_leaderboard.access import logins, uploads
 from wildscav_leaderboard.access.rate_limits import AddressCounts
 from wildscav_leaderboard.accounts.passwords import hashed
 from wildscav_leaderboard.accounts.service import add_account, new_token
 from wildscav_leaderboard.seasons.folder import Season
+from wildscav_leaderboard.seasons.refusals import InvalidError
 from wildscav_leaderboard.seasons.settings import Quotas
 from wildscav_leaderboard.teams.service import make_team
 
@@ -183,6 +184,25 @@ def test_an_account_uploads_three_submissions_at_once(arena: Arena) -> None:
         refused = arena.upload(pieces(1, []))
         assert (refused.status_code, "uploading 3 submissions already" in refused.text) == (429, True)
     assert arena.upload(pieces(1, [])).status_code == 422
+
+
+def test_four_archives_are_checked_at_a_time_so_that_pages_have_threads(
+    arena: Arena, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    running, most = [], []
+
+    def check(*_: object) -> None:
+        running.append(1)
+        most.append(len(running))
+        time.sleep(0.2)
+        running.pop()
+        raise InvalidError("it is no archive")
+
+    monkeypatch.setattr(uploads, "check_archive", check)
+    monkeypatch.setattr(uploads, "AT_ONCE", 6)
+    with uploading(arena, 6):
+        pass
+    assert max(most) == 4
 
 
 @pytest.mark.parametrize("is_announced", [True, False])
