@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from datetime import datetime
 from hashlib import blake2b
 
-from sqlalchemy import func, select, true, update
+from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import Board, LadderStep
 from wildscav_leaderboard.matches.models import FINISHED, VOID, WAITING, Match, MatchResult
+from wildscav_leaderboard.matches.service import NOT_IN_FORCE
 from wildscav_leaderboard.seasons.editions import Conditions, Edition, changes_between, digest_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import (
@@ -33,7 +34,6 @@ from wildscav_leaderboard.submissions.service import taking_part
 from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.visibility import HIDDEN
 
-NOT_IN_FORCE = "its edition is no longer in force"  # why a match is void
 RECENT = 100  # matches from which the time of a match is estimated
 
 
@@ -82,6 +82,7 @@ def begin_editions(session: Session, season: Season, now: datetime) -> list[Edit
         matches = select(Match.id).filter_by(edition_id=numbers.get(track)).limit(1)
         if track not in numbers or session.scalar(matches) is None:
             _enter(session, written, track, edition_of(written, track, sandbox_of(session, written)), now)
+    _give_up_others(session, now)
     in_use = in_force(session, written)
     for submission in session.scalars(select(Submission).filter_by(state=ACTIVE)).all():
         plan_suites(session, in_use, submission, now)  # what was not planned while its edition had to wait
@@ -182,25 +183,25 @@ def apply_editions(session: Session, season: Season, actor: str, now: datetime) 
 def _enter(
     session: Session, season: Season, track: str, edition: Edition | None, now: datetime
 ) -> int | None:
-    """Bring an edition into force, and plan its matches; those of others that wait are given up."""
+    """Bring an edition into force, and plan its matches."""
     from wildscav_leaderboard.conductor.plans import plan_suites  # which loads SciPy, for ladders
 
     number = enter_edition(session, track, edition, now)
-    own, others = Match.edition_id == number, Match.edition_id.is_distinct_from(number)
-    session.execute(
-        update(Match)
-        .where(Match.track == track, Match.state == WAITING, others if number is not None else true())
-        .values(state=VOID, since=now, detail=NOT_IN_FORCE)
-    )
+    _give_up_others(session, now)
     if number is not None:
-        session.execute(  # it may have been in force before
-            update(Match)
-            .where(own, Match.state == VOID, Match.detail == NOT_IN_FORCE)
-            .values(state=WAITING, since=now, detail="")
-        )
         for submission, _ in taking_part(session, track):
             plan_suites(session, season, submission, now)
     return number
+
+
+def _give_up_others(session: Session, now: datetime) -> None:
+    """Give up the matches that wait under editions not in force; those in force again wait again."""
+    in_use = edition_numbers(session).values()
+    others = Match.edition_id.is_(None) | Match.edition_id.not_in(in_use)
+    given_up = update(Match).where(Match.state == WAITING, others)
+    session.execute(given_up.values(state=VOID, since=now, detail=NOT_IN_FORCE))
+    again = Match.edition_id.in_(in_use), Match.state == VOID, Match.detail == NOT_IN_FORCE
+    session.execute(update(Match).where(*again).values(state=WAITING, since=now, detail=""))
 
 
 def _count_waiting(session: Session, edition: int) -> int:

@@ -19,6 +19,7 @@ from wildscav_leaderboard.conductor.editions import (
     edition_changes,
 )
 from wildscav_leaderboard.matches.models import FINISHED, SUITE, VOID, WAITING, Match
+from wildscav_leaderboard.matches.service import NOT_IN_FORCE
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import ACTS
 from wildscav_leaderboard.organizing.checking import check_rules, check_season, entries_without_model
@@ -160,6 +161,49 @@ def test_matches_that_wait_are_played_by_the_edition_that_counts_them(season: Co
     assert {match.spec["time_limit"] for _, match in season.take_matches(9)} == {5}
 
 
+@pytest.mark.parametrize("how", ["lost", "broken", "paused", "of an old database"])
+def test_a_match_whose_edition_ends_while_it_is_played_never_waits_for_ever(tmp_path: Path, how: str) -> None:
+    with conducting(make_season(tmp_path / "season", "matches = 2")) as season:
+        for team in ("foxes", "owls"):
+            season.active(team, ("battle",))
+        season.plan()
+        ((attempt, match),) = season.take_matches(1, begun=how != "paused")
+        edit(season, "tiny.toml", "match = { time_limit = 4, seats", "match = { time_limit = 5, seats")
+        apply(season)
+
+        if how == "broken":
+            season.broke(attempt.id)
+        elif how == "paused":
+            season.act(ACTS["pause"], reason="a move")
+            assert not season.begin(attempt)
+            season.act(ACTS["resume"])
+        else:
+            season.take_over()
+            season.expire()
+        if how == "of an old database":
+            season.write(lambda session: let_wait(session.get_one(Match, match.id)))
+            season.take_over()
+
+        assert (season.match(match.id).state, season.match(match.id).detail) == (VOID, NOT_IN_FORCE)
+        while season.plan():
+            play(season)
+        board = season.board("battle")
+        assert board is not None
+        assert {row.team for row in board.rows if row.matches >= 2} >= {"foxes", "owls"}
+        assert finalize(season).stage == finalizing.DECIDING
+
+
+def let_wait(match: Match) -> None:
+    match.state, match.detail = WAITING, ""
+
+
+def finalize(season: Conducted, best: int = 1) -> finalizing.Ending:
+    later = season.season.settings.closes
+    with season.database.writing() as session:
+        finalizing.begin(session, season.season, "anna", best, later, early=False)
+        return finalizing.advance(session, season.season, "anna", later)
+
+
 def test_an_edit_that_is_undone_brings_the_old_results_back(season: Conducted) -> None:
     before = ranked(season)
     file, old, new = EDITS["the suite"]
@@ -200,15 +244,8 @@ def test_an_edition_that_cannot_be_played_here_waits_until_it_can(season: Conduc
     assert "2 matches of the edition in force wait until then" in navigation.text
     assert "they belong to the sandbox process, and this is bubblewrap" in navigation.text
     assert season.take_matches(8) == []
-    later = season.season.settings.closes
-
-    def finalize() -> finalizing.Ending:
-        with season.database.writing() as session:
-            finalizing.begin(session, season.season, "anna", 1, later, early=False)
-            return finalizing.advance(session, season.season, "anna", later)
-
     with pytest.raises(RefusalError, match=r"matches of navigation wait \(runner-3\), and cannot be played"):
-        finalize()
+        finalize(season)
     file, old, new = EDITS["the sandbox"]
     assert edit(season, file, new, old) == []
     assert play(season) == 2
