@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 from wildscav.terminal.console import counted
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import Board, LadderStep
-from wildscav_leaderboard.matches.models import FINISHED, VOID, WAITING, Match, MatchResult
+from wildscav_leaderboard.matches.models import FINISHED, LADDER, VOID, WAITING, Match, MatchResult
 from wildscav_leaderboard.matches.service import NOT_IN_FORCE
 from wildscav_leaderboard.seasons.editions import Conditions, Edition, changes_between, digest_of
 from wildscav_leaderboard.seasons.folder import Season
@@ -195,13 +195,17 @@ def _enter(
 
 
 def _give_up_others(session: Session, now: datetime) -> None:
-    """Give up the matches that wait under editions not in force; those in force again wait again."""
+    """Give up the matches that wait under editions not in force; those in force again wait again.
+
+    New matches of a ladder take the place of those it gave up, since matches are applied in their order.
+    """
     in_use = edition_numbers(session).values()
     others = Match.edition_id.is_(None) | Match.edition_id.not_in(in_use)
     given_up = update(Match).where(Match.state == WAITING, others)
     session.execute(given_up.values(state=VOID, since=now, detail=NOT_IN_FORCE))
-    again = Match.edition_id.in_(in_use), Match.state == VOID, Match.detail == NOT_IN_FORCE
-    session.execute(update(Match).where(*again).values(state=WAITING, since=now, detail=""))
+    is_back = Match.edition_id.in_(in_use), Match.state == VOID, Match.detail == NOT_IN_FORCE
+    again = update(Match).where(*is_back, (Match.kind != LADDER) | (Match.judging > 1))
+    session.execute(again.values(state=WAITING, since=now, detail=""))
 
 
 def _count_waiting(session: Session, edition: int) -> int:

@@ -215,6 +215,23 @@ def test_an_edit_that_is_undone_brings_the_old_results_back(season: Conducted) -
     assert ranked(season) == before
 
 
+def test_a_ladder_whose_edition_comes_back_goes_on_where_it_was(tmp_path: Path) -> None:
+    with conducting(make_season(tmp_path / "season", "matches = 4")) as season:
+        for team in ("foxes", "owls"):
+            season.active(team, ("battle",))
+        season.plan()
+        assert season.played(season.take_matches(1)[0][0])
+        for times in ("45", "54"):
+            old, new = (f"match = {{ time_limit = {time}, seats" for time in times)
+            edit(season, "tiny.toml", old, new)
+            apply(season)
+            while play(season) + season.plan():
+                pass
+        board = season.board("battle")
+        assert board is not None
+        assert {row.team for row in board.rows if row.matches >= 4} >= {"foxes", "owls"}
+
+
 def test_rules_may_be_edited_freely_while_nobody_has_played(tmp_path: Path) -> None:
     with conducting(make_season(tmp_path / "season")) as season:
         assert edit(season, *EDITS["the suite"]) == []
