@@ -18,7 +18,7 @@ from wildscav_leaderboard.conductor.editions import (
     begin_editions,
     edition_changes,
 )
-from wildscav_leaderboard.matches.models import FINISHED, SUITE, VOID, WAITING, Match
+from wildscav_leaderboard.matches.models import FINAL, FINISHED, SUITE, VOID, WAITING, Match
 from wildscav_leaderboard.matches.service import NOT_IN_FORCE
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import ACTS
@@ -378,6 +378,36 @@ def test_what_was_given_up_is_run_again_under_the_edition_in_force_alone(season:
     with season.database.reading() as session:
         states = {(match.edition_id == in_use, match.state) for match in session.scalars(own)}
     assert states == {(True, WAITING), (False, VOID)}
+
+
+def test_an_end_that_is_taken_back_leaves_nothing_in_the_way_of_another_one(season: Conducted) -> None:
+    assert finalize(season, best=2).planned == 4
+    (taken, _), *_ = season.take_matches(1)
+    assert season.played(taken)
+    edit(season, *EDITS["the sandbox"])
+    with pytest.raises(RefusalError, match=r"take the end back .* and have all entries judged again"):
+        finalize(season)
+    file, old, new = EDITS["the sandbox"]
+    edit(season, file, new, old)
+    season.write(lambda session: finalizing.abort(session, "anna", season.now))
+    edit(season, *EDITS["the suite"])
+    apply(season)
+    assert play(season) == 4
+    assert finalize(season).planned == 2, "the best one's, under the edition in force"
+    assert play(season) == 2
+    assert finalize(season).stage == finalizing.DONE
+
+
+def test_an_entry_may_be_left_out_when_its_final_matches_were_given_up(season: Conducted) -> None:
+    assert finalize(season, best=2).planned == 4
+    lost = select(Match).filter_by(kind=FINAL, group_id=1)
+    season.write(lambda session: give_up(session.scalars(lost).all()))
+    play(season)
+    with pytest.raises(RefusalError, match="final matches of 1 were given up"):
+        finalize(season)
+    season.write(lambda session: finalizing.leave_out(session, "anna", [1], "it was asked for", season.now))
+    assert finalize(season).stage == finalizing.DONE
+    assert ranked(season) == [("owls", 2)]
 
 
 def test_nothing_can_be_applied_once_final_matches_are_played(season: Conducted) -> None:
