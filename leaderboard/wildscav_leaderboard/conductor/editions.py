@@ -18,7 +18,7 @@ from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import Board, LadderStep
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, VOID, WAITING, Match, MatchResult
 from wildscav_leaderboard.matches.service import NOT_IN_FORCE
-from wildscav_leaderboard.seasons.editions import Conditions, Edition, changes_between, digest_of
+from wildscav_leaderboard.seasons.editions import Edition, changes_between, digest_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import (
     edition_numbers,
@@ -27,6 +27,7 @@ from wildscav_leaderboard.seasons.in_force import (
     in_force,
     sandbox_of,
 )
+from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import NODES, is_decided, log_act, read_state
 from wildscav_leaderboard.submissions.models import Submission
@@ -96,9 +97,9 @@ def _adopt(session: Session, season: Season, track: str, now: datetime) -> bool:
         Whether there was anything.
     """
     board = read_board(session, track, HIDDEN)
-    known = set() if board is None else board.conditions.model_fields_set
-    if board is None or known == set(Conditions.model_fields):
+    if board is None or session.scalar(select(EditionRow.id).filter_by(track=track).limit(1)) is not None:
         return False
+    known = board.conditions.model_fields_set
     before = blake2b(
         board.conditions.model_dump_json(exclude_unset=True).encode(), digest_size=16
     ).hexdigest()

@@ -270,11 +270,7 @@ def test_an_edition_that_cannot_be_played_here_waits_until_it_can(season: Conduc
 
 def test_a_track_that_is_removed_goes_on_until_that_is_applied(season: Conducted) -> None:
     season.active("foxes")
-    path = season.season.folder / SETTINGS_FILE
-    text = path.read_text()
-    track = text[text.index("[tracks.navigation]") : text.index("[tracks.battle]")]
-
-    (change,) = edit(season, SETTINGS_FILE, track, "")
+    (change,) = edit(season, SETTINGS_FILE, navigation(season), "")
 
     assert change.text == (
         "navigation is removed: its boards stay as they are; 2 matches of the edition in force are given up"
@@ -283,6 +279,28 @@ def test_a_track_that_is_removed_goes_on_until_that_is_applied(season: Conducted
     apply(season)
     season.refresh()
     assert WAITING not in counts(season), "nothing waits for ever"
+    assert ranked(season) == [("foxes", 2), ("owls", 2)]
+
+
+def navigation(season: Conducted) -> str:
+    """The settings of navigation."""
+    text = (season.season.folder / SETTINGS_FILE).read_text()
+    return text[text.index("[tracks.navigation]") : text.index("[tracks.battle]")]
+
+
+def test_a_track_that_is_put_back_goes_on_where_it_was(season: Conducted) -> None:
+    season.active("foxes")
+    edit(season, *EDITS["the suite"])
+    apply(season)
+    track, number = navigation(season), season.write(edition_numbers)["navigation"]
+    edit(season, SETTINGS_FILE, track, "")
+    apply(season)
+    assert season.take_matches(8) == []
+
+    assert edit(season, SETTINGS_FILE, "[tracks.battle]", track + "[tracks.battle]") == []
+
+    assert season.write(edition_numbers)["navigation"] == number
+    assert play(season) == 6, "two of each entry"
     assert ranked(season) == [("foxes", 2), ("owls", 2)]
 
 
