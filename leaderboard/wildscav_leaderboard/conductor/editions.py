@@ -14,8 +14,11 @@ from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
+from wildscav_evaluator.output.results import ModelTerms
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import Board, LadderStep
+from wildscav_leaderboard.conductor.lease import holder_of
+from wildscav_leaderboard.database.connection import clock
 from wildscav_leaderboard.matches.models import FINISHED, LADDER, VOID, WAITING, Match, MatchResult
 from wildscav_leaderboard.matches.service import NOT_IN_FORCE
 from wildscav_leaderboard.seasons.editions import Edition, changes_between, digest_of
@@ -25,6 +28,7 @@ from wildscav_leaderboard.seasons.in_force import (
     edition_of,
     enter_edition,
     in_force,
+    model_of,
     sandbox_of,
 )
 from wildscav_leaderboard.seasons.models import EditionRow
@@ -154,10 +158,28 @@ def edition_changes(session: Session, season: Season) -> list[EditionChange]:
                 matches=matches,
                 waiting=_count_waiting(session, number),
                 seconds=_time_of(session, track, matches),
-                obstacle=old.obstacle(sandbox, season.settings.model),
+                obstacle=old.obstacle(sandbox, model_of(season)),
             )
         )
     return found
+
+
+def why_to_restart(session: Session, season: Season) -> str | None:
+    """Return what only a conductor that is started now could play; None if nothing.
+
+    The one that runs keeps the sandbox and the model that the settings named when it was started.
+    """
+    nodes = read_state(session, NODES) or {}
+    if "model" not in nodes or holder_of(session, clock(session)) is None:
+        return None
+    model = None if nodes["model"] is None else ModelTerms.model_validate(nodes["model"])
+    known, wanted = (nodes["sandbox"], model), (sandbox_of(session, season), model_of(season))
+    editions = in_force(session, season).editions.items()
+    tracks = [track for track, one in editions if one.obstacle(*known) and not one.obstacle(*wanted)]
+    said = (
+        "wait until you start `wildscav season serve` again, with the sandbox and the model of the settings"
+    )
+    return f"matches of {', '.join(tracks)} {said}" if tracks else None
 
 
 def apply_editions(session: Session, season: Season, actor: str, now: datetime) -> list[EditionChange]:

@@ -41,7 +41,7 @@ from wildscav_leaderboard.organizing.arguments import LONGEST_REASON
 from wildscav_leaderboard.organizing.checking import wrong_secrets
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
-from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
+from wildscav_leaderboard.seasons.in_force import in_force, model_of, sandbox_of
 from wildscav_leaderboard.seasons.names import checked_line
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import log_act
@@ -169,7 +169,7 @@ def _check_playable(session: Session, season: Season) -> None:
     """
     sandbox = sandbox_of(session, season)
     for track, edition in season.editions.items():
-        obstacle = edition.obstacle(sandbox, season.settings.model)
+        obstacle = edition.obstacle(sandbox, model_of(season))
         if not obstacle:
             continue
         seats = select(MatchSeat.entrant).join(Match, Match.id == MatchSeat.match_id)

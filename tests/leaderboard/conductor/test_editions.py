@@ -6,12 +6,15 @@ from shutil import make_archive
 
 import pytest
 from sqlalchemy import func, select
+from tests.commands import run_command
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.conductor.conducted import Conducted, conducting
 from tests.leaderboard.seasons_made import make_season
 
 from wildscav.errors import UserError
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_leaderboard.boards.documents import SuiteBoard
+from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.editions import (
     EditionChange,
     apply_editions,
@@ -23,6 +26,7 @@ from wildscav_leaderboard.matches.service import NOT_IN_FORCE
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import ACTS
 from wildscav_leaderboard.organizing.checking import check_rules, check_season, entries_without_model
+from wildscav_leaderboard.organizing.status import status
 from wildscav_leaderboard.publishing.service import board_lines
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
@@ -59,11 +63,16 @@ def play(season: Conducted, score: float = 1.0) -> int:
 
 def edit(season: Conducted, file: str, old: str, new: str) -> list[EditionChange]:
     """Edit a file, and start the season again."""
+    rewrite(season, file, old, new)
+    return season.write(lambda session: begin_editions(session, season.season, season.now))
+
+
+def rewrite(season: Conducted, file: str, old: str, new: str) -> None:
+    """Edit a file, without the conductor's knowledge."""
     path = season.season.folder / file
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new))
     season.season = Season.open(season.season.folder)
-    return season.write(lambda session: begin_editions(session, season.season, season.now))
 
 
 def apply(season: Conducted) -> list[EditionChange]:
@@ -266,6 +275,31 @@ def test_an_edition_that_cannot_be_played_here_waits_until_it_can(season: Conduc
     file, old, new = EDITS["the sandbox"]
     assert edit(season, file, new, old) == []
     assert play(season) == 2
+
+
+@pytest.mark.parametrize("what", ["a model", "the sandbox"])
+def test_a_conductor_that_has_to_be_started_again_is_named(season: Conducted, what: str) -> None:
+    running = Conductor(season.season, season.database)
+    running._sandbox = "process"
+
+    def publish() -> None:
+        season.write(lambda session: running._publish_nodes(session, LocalExecutor(1)))
+
+    def failed() -> str | None:
+        with season.database.reading() as session:
+            return status(session, season.season, season.now).failed
+
+    publish()
+    rewrite(season, *EDITS[what])
+    assert failed() is None, "it plays on under the old edition"
+    done = run_command("season", "apply", season.season.folder, "--yes")
+    said = "matches of navigation, battle wait until you start `wildscav season serve` again"
+    assert said in " ".join(done.stdout.split())
+    assert str(failed()).startswith(said)
+
+    running.season, running._sandbox = season.season, season.season.settings.execution.sandbox or "process"
+    publish()
+    assert failed() is None
 
 
 def test_a_track_that_is_removed_goes_on_until_that_is_applied(season: Conducted) -> None:
