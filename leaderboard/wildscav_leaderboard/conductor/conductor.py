@@ -27,7 +27,7 @@ from wildscav_leaderboard.matches.service import seats_of
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.disk import check_room
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.in_force import in_force
+from wildscav_leaderboard.seasons.in_force import in_force, model_of
 from wildscav_leaderboard.spectating.live import LiveMatches
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.webhooks.delivery import Deliverer
@@ -157,9 +157,11 @@ class Conductor:
             {"name": one.name, "cores": one.cores, "running": one.running, "problem": one.problem}
             for one in executor.nodes or (here,)
         ]
+        model = model_of(self.season)
         value = {
             "holder": self._holding.holder,
             "sandbox": self._sandbox,
+            "model": None if model is None else model.model_dump(mode="json"),
             "executor": executor.name,
             "at_once": executor.at_once,
             "validations": self.season.settings.execution.validations,

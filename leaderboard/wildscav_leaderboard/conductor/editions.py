@@ -10,22 +10,28 @@ from dataclasses import dataclass
 from datetime import datetime
 from hashlib import blake2b
 
-from sqlalchemy import func, select, true, update
+from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from wildscav.terminal.console import counted
+from wildscav_evaluator.output.results import ModelTerms
 from wildscav_leaderboard.boards.kept import read_board
 from wildscav_leaderboard.boards.models import Board, LadderStep
-from wildscav_leaderboard.matches.models import FINISHED, VOID, WAITING, Match, MatchResult
-from wildscav_leaderboard.seasons.editions import Conditions, Edition, changes_between, digest_of
+from wildscav_leaderboard.conductor.lease import holder_of
+from wildscav_leaderboard.database.connection import clock
+from wildscav_leaderboard.matches.models import FINISHED, LADDER, VOID, WAITING, Match, MatchResult
+from wildscav_leaderboard.matches.service import NOT_IN_FORCE
+from wildscav_leaderboard.seasons.editions import Edition, changes_between, digest_of
 from wildscav_leaderboard.seasons.folder import Season
 from wildscav_leaderboard.seasons.in_force import (
     edition_numbers,
     edition_of,
     enter_edition,
     in_force,
+    model_of,
     sandbox_of,
 )
+from wildscav_leaderboard.seasons.models import EditionRow
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import NODES, is_decided, log_act, read_state
 from wildscav_leaderboard.submissions.models import Submission
@@ -33,7 +39,6 @@ from wildscav_leaderboard.submissions.service import taking_part
 from wildscav_leaderboard.submissions.states import ACTIVE
 from wildscav_leaderboard.visibility import HIDDEN
 
-NOT_IN_FORCE = "its edition is no longer in force"  # why a match is void
 RECENT = 100  # matches from which the time of a match is estimated
 
 
@@ -82,6 +87,7 @@ def begin_editions(session: Session, season: Season, now: datetime) -> list[Edit
         matches = select(Match.id).filter_by(edition_id=numbers.get(track)).limit(1)
         if track not in numbers or session.scalar(matches) is None:
             _enter(session, written, track, edition_of(written, track, sandbox_of(session, written)), now)
+    _give_up_others(session, now)
     in_use = in_force(session, written)
     for submission in session.scalars(select(Submission).filter_by(state=ACTIVE)).all():
         plan_suites(session, in_use, submission, now)  # what was not planned while its edition had to wait
@@ -95,9 +101,9 @@ def _adopt(session: Session, season: Season, track: str, now: datetime) -> bool:
         Whether there was anything.
     """
     board = read_board(session, track, HIDDEN)
-    known = set() if board is None else board.conditions.model_fields_set
-    if board is None or known == set(Conditions.model_fields):
+    if board is None or session.scalar(select(EditionRow.id).filter_by(track=track).limit(1)) is not None:
         return False
+    known = board.conditions.model_fields_set
     before = blake2b(
         board.conditions.model_dump_json(exclude_unset=True).encode(), digest_size=16
     ).hexdigest()
@@ -152,10 +158,28 @@ def edition_changes(session: Session, season: Season) -> list[EditionChange]:
                 matches=matches,
                 waiting=_count_waiting(session, number),
                 seconds=_time_of(session, track, matches),
-                obstacle=old.obstacle(sandbox, season.settings.model),
+                obstacle=old.obstacle(sandbox, model_of(season)),
             )
         )
     return found
+
+
+def why_to_restart(session: Session, season: Season) -> str | None:
+    """Return what only a conductor that is started now could play; None if nothing.
+
+    The one that runs keeps the sandbox and the model that the settings named when it was started.
+    """
+    nodes = read_state(session, NODES) or {}
+    if "model" not in nodes or holder_of(session, clock(session)) is None:
+        return None
+    model = None if nodes["model"] is None else ModelTerms.model_validate(nodes["model"])
+    known, wanted = (nodes["sandbox"], model), (sandbox_of(session, season), model_of(season))
+    editions = in_force(session, season).editions.items()
+    tracks = [track for track, one in editions if one.obstacle(*known) and not one.obstacle(*wanted)]
+    said = (
+        "wait until you start `wildscav season serve` again, with the sandbox and the model of the settings"
+    )
+    return f"matches of {', '.join(tracks)} {said}" if tracks else None
 
 
 def apply_editions(session: Session, season: Season, actor: str, now: datetime) -> list[EditionChange]:
@@ -182,25 +206,29 @@ def apply_editions(session: Session, season: Season, actor: str, now: datetime) 
 def _enter(
     session: Session, season: Season, track: str, edition: Edition | None, now: datetime
 ) -> int | None:
-    """Bring an edition into force, and plan its matches; those of others that wait are given up."""
+    """Bring an edition into force, and plan its matches."""
     from wildscav_leaderboard.conductor.plans import plan_suites  # which loads SciPy, for ladders
 
     number = enter_edition(session, track, edition, now)
-    own, others = Match.edition_id == number, Match.edition_id.is_distinct_from(number)
-    session.execute(
-        update(Match)
-        .where(Match.track == track, Match.state == WAITING, others if number is not None else true())
-        .values(state=VOID, since=now, detail=NOT_IN_FORCE)
-    )
+    _give_up_others(session, now)
     if number is not None:
-        session.execute(  # it may have been in force before
-            update(Match)
-            .where(own, Match.state == VOID, Match.detail == NOT_IN_FORCE)
-            .values(state=WAITING, since=now, detail="")
-        )
         for submission, _ in taking_part(session, track):
             plan_suites(session, season, submission, now)
     return number
+
+
+def _give_up_others(session: Session, now: datetime) -> None:
+    """Give up the matches that wait under editions not in force; those in force again wait again.
+
+    New matches of a ladder take the place of those it gave up, since matches are applied in their order.
+    """
+    in_use = edition_numbers(session).values()
+    others = Match.edition_id.is_(None) | Match.edition_id.not_in(in_use)
+    given_up = update(Match).where(Match.state == WAITING, others)
+    session.execute(given_up.values(state=VOID, since=now, detail=NOT_IN_FORCE))
+    is_back = Match.edition_id.in_(in_use), Match.state == VOID, Match.detail == NOT_IN_FORCE
+    again = update(Match).where(*is_back, (Match.kind != LADDER) | (Match.judging > 1))
+    session.execute(again.values(state=WAITING, since=now, detail=""))
 
 
 def _count_waiting(session: Session, edition: int) -> int:

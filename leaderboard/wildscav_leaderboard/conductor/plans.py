@@ -28,7 +28,7 @@ from wildscav_leaderboard.matches.models import (
 from wildscav_leaderboard.matches.service import Entrant, add_ladder_match, add_suite_matches
 from wildscav_leaderboard.seasons.editions import digest_of
 from wildscav_leaderboard.seasons.folder import Season
-from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
+from wildscav_leaderboard.seasons.in_force import in_force, model_of, sandbox_of
 from wildscav_leaderboard.seasons.state import FINALIZING, is_finalized, read_state
 from wildscav_leaderboard.submissions.models import Submission
 from wildscav_leaderboard.submissions.service import taking_part
@@ -49,7 +49,7 @@ def is_playable(session: Session, season: Season, track: str) -> bool:
     edition = season.editions.get(track)
     if edition is None:
         return True
-    return not edition.obstacle(sandbox_of(session, season), season.settings.model)
+    return not edition.obstacle(sandbox_of(session, season), model_of(season))
 
 
 def plan_ladders(session: Session, season: Season, now: datetime) -> int:

@@ -164,7 +164,7 @@ def take_matches(
 
 
 def begun(session: Session, holding: Holding, attempt_id: int, now: datetime) -> bool:
-    """Note that a match that was taken begins now; return False if it waits again: the season is paused."""
+    """Note that a match that was taken begins now; return False if it does not: the season is paused."""
     check(session, holding)
     attempt = session.get_one(Attempt, attempt_id)
     match = session.get_one(Match, attempt.match_id)
@@ -172,7 +172,7 @@ def begun(session: Session, holding: Holding, attempt_id: int, now: datetime) ->
         return True
     if attempt.begun is None and season_state.is_paused(session):
         attempts.end(attempt, attempts.RETURNED, now, "the season is paused")
-        matches.mark_waiting(match, now)
+        matches.mark_waiting(session, match, now)
         return False
     attempt.begun = match.since = now
     return True
@@ -242,7 +242,7 @@ def _again(
             if _given_up(session, attempt, match.platform_faults, most):
                 matches.void(match, now, f"given up after {attempt.number} attempts: {why}")
             else:
-                matches.mark_waiting(match, now)
+                matches.mark_waiting(session, match, now)
         return
     submission = session.get_one(Submission, attempt.submission_id)
     submission.platform_faults += is_fault

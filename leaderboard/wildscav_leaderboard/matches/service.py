@@ -31,6 +31,7 @@ from wildscav_leaderboard.submissions.models import Submission
 
 MAX_LISTED = 100  # in one list
 WITHDRAWN = "withdrawn: "  # begins why a match is void that is planned again if its submission plays again
+NOT_IN_FORCE = "its edition is no longer in force"  # why a match is void that waits again if it is
 
 
 class Entrant(NamedTuple):
@@ -348,6 +349,9 @@ def mark_playing(match: Match, now: datetime, deadline: datetime) -> None:
     match.state, match.since, match.deadline = PLAYING, now, deadline
 
 
-def mark_waiting(match: Match, now: datetime) -> None:
-    """Mark a match as waiting to be played again."""
+def mark_waiting(session: Session, match: Match, now: datetime) -> None:
+    """Let a match wait to be played again, or give it up if its edition is no longer in force."""
+    if edition_numbers(session).get(match.track) != match.edition_id:
+        void(match, now, NOT_IN_FORCE)
+        return
     match.state, match.since, match.deadline = WAITING, now, None

@@ -13,12 +13,12 @@ Each step is one transaction that finds out by itself what is to be done next. S
 any moment, and begun again.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import func, select, update
+from sqlalchemy import ColumnElement, and_, false, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards import service as boards
@@ -41,7 +41,7 @@ from wildscav_leaderboard.organizing.arguments import LONGEST_REASON
 from wildscav_leaderboard.organizing.checking import wrong_secrets
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import FINAL_SECRET_FILE, SECRET_FILE, Season
-from wildscav_leaderboard.seasons.in_force import in_force, sandbox_of
+from wildscav_leaderboard.seasons.in_force import in_force, model_of, sandbox_of
 from wildscav_leaderboard.seasons.names import checked_line
 from wildscav_leaderboard.seasons.refusals import RefusalError
 from wildscav_leaderboard.seasons.state import log_act
@@ -169,16 +169,18 @@ def _check_playable(session: Session, season: Season) -> None:
     """
     sandbox = sandbox_of(session, season)
     for track, edition in season.editions.items():
-        obstacle = edition.obstacle(sandbox, season.settings.model)
+        obstacle = edition.obstacle(sandbox, model_of(season))
         if not obstacle:
             continue
         seats = select(MatchSeat.entrant).join(Match, Match.id == MatchSeat.match_id)
         waiting = seats.where(Match.edition_id == season.numbers[track], Match.state == WAITING)
         names = sorted(set(session.scalars(waiting)))
         if names:
+            first = "take the end back (`wildscav season finalize --abort`) and "
             raise RefusalError(
                 f"matches of {track} wait ({', '.join(names)}), and cannot be played: {obstacle}; bring that "
-                "back, or have all entries judged again (`wildscav season apply`)"
+                f"back, or {first if season_state.is_decided(session) else ''}have all entries judged again "
+                "(`wildscav season apply`)"
             )
 
 
@@ -261,8 +263,8 @@ def _fields_of(session: Session, season: Season, best: int) -> dict[str, list[in
 
 def _decided_by(session: Session, season: Season, field: Mapping[str, list[int]]) -> dict[str, list[int]]:
     """Return the field of each track that matches of the second secret decide."""
-    wanted = select(Match.track).where(Match.decides, Match.state == FINISHED).distinct()
-    played = set(session.scalars(wanted))
+    finished = Match.decides, Match.state == FINISHED, _is_in_force(season)
+    played = set(session.scalars(select(Match.track).where(*finished).distinct()))
     modes = {track: settings.mode for track, settings in season.settings.tracks.items()}
     return {track: one for track, one in field.items() if modes[track] == "suite" or track in played}
 
@@ -273,31 +275,36 @@ def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> 
     Raises:
         RefusalError: Some were given up.
     """
-    playing = _active(session, field)
-    own = select(func.count()).where(Match.kind == FINAL, Match.group_id.in_(playing))
-    given_up = session.scalars(
-        select(Match.group_id)
-        .where(Match.kind == FINAL, Match.group_id.in_(playing), Match.state == VOID)
-        .distinct()
-    ).all()
+    finals = Match.kind == FINAL, or_(false(), *_finals_of(session, season, field))
+    own = select(func.count()).where(*finals)
+    given_up = session.scalars(select(Match.group_id).where(*finals, Match.state == VOID).distinct()).all()
     if given_up:
         numbers = ", ".join(map(str, sorted(given_up)))
         raise RefusalError(
             f"final matches of {numbers} were given up after faults of the platform: find out why "
             "(`wildscav season status`), and have them played again (`wildscav season rerun`)"
         )
-    rounds = select(func.count()).where(Match.decides, Match.kind == LADDER, Match.state != VOID)
+    rounds = select(func.count()).where(
+        Match.decides, Match.kind == LADDER, Match.state != VOID, _is_in_force(season)
+    )
     planned = _count(session, own) + _count(session, rounds)
     played = sum(_count(session, one.where(Match.state == FINISHED)) for one in (own, rounds))
     is_over = played == planned and not ladders_want_matches(session, season)
     return None if is_over else Ending(DECIDING, played, planned, 0, _why_it_stands(session))
 
 
-def _active(session: Session, field: dict[str, list[int]]) -> list[int]:
-    """Return those of the field that still take part."""
-    numbers = {number for one in field.values() for number in one}
-    wanted = select(Submission.id).where(Submission.id.in_(numbers), Submission.state == states.ACTIVE)
-    return list(session.scalars(wanted))
+def _finals_of(
+    session: Session, season: Season, field: Mapping[str, Collection[int]]
+) -> Iterator[ColumnElement[bool]]:
+    """Select the matches of those of the field that will be on the final board of each suite."""
+    for track, chosen in field.items():
+        on_board = [one.id for one, _ in boards.entered(session, track) if one.id in chosen]
+        yield and_(Match.edition_id == season.numbers.get(track), Match.group_id.in_(on_board))
+
+
+def _is_in_force(season: Season) -> ColumnElement[bool]:
+    """Select the matches of the editions in force, and none from before an end that was taken back."""
+    return Match.edition_id.in_(season.numbers.values())
 
 
 def _decide(session: Session, season: Season, field: dict[str, list[int]], actor: str, now: datetime) -> None:

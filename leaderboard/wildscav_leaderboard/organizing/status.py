@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from wildscav_leaderboard.boards.progress import missing_entrants
 from wildscav_leaderboard.conductor.attempts import running
-from wildscav_leaderboard.conductor.editions import edition_changes
+from wildscav_leaderboard.conductor.editions import edition_changes, why_to_restart
 from wildscav_leaderboard.conductor.lease import holder_of
 from wildscav_leaderboard.conductor.models import Attempt
 from wildscav_leaderboard.database.connection import clock
@@ -80,7 +80,7 @@ def status(session: Session, season: Season, now: datetime) -> StatusView:
         phase=_phase(session, season, now),
         frozen=season_state.is_frozen(session),
         paused=None if paused is None else str(paused["reason"]),
-        failed=None if failed is None else str(failed["reason"]),
+        failed=why_to_restart(session, season) if failed is None else str(failed["reason"]),
         teams=count_teams(session),
         submissions=count_by_state(session, Submission),
         matches=count_by_state(session, Match),

@@ -10,7 +10,6 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wildscav_evaluator.model_gateway.settings import ModelSettings
 from wildscav_evaluator.output.json_files import FileModel, WithOptionalFields
 from wildscav_evaluator.output.results import CURRENT_VERSIONS, KeptLimits, MetricInfo, ModelTerms, Versions
 from wildscav_leaderboard.seasons.settings import Mode, TrackSettings
@@ -73,14 +72,14 @@ class Edition(Part):
             return find_suite(self.settings.suite)
         return parse_suite(Path(self.settings.suite), self.suite_file.encode())
 
-    def obstacle(self, sandbox: str, model: ModelSettings | None) -> str:
+    def obstacle(self, sandbox: str, model: ModelTerms | None) -> str:
         """Return why its matches cannot be played here and now; an empty text if they can."""
         made, now = self.conditions.versions, CURRENT_VERSIONS
         if made != now:
             return f"they belong to {made}, and this is {now}"
         if self.conditions.sandbox != sandbox:
             return f"they belong to the sandbox {self.conditions.sandbox}, and this is {sandbox}"
-        if self.conditions.model != (None if model is None else ModelTerms.about(model)):
+        if self.conditions.model != model:
             return (
                 f"they belong to the model {self.conditions.model or 'none'}, and the settings name another"
             )

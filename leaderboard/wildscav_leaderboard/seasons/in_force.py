@@ -39,7 +39,7 @@ def edition_of(season: Season, track: str, sandbox: str) -> Edition:
         commitment=str(season.seed.commitment),
         sandbox=sandbox,
         limits=KeptLimits(**season.limits(track).model_dump(include=kept)),
-        model=None if (model := season.settings.model) is None else ModelTerms.about(model),
+        model=model_of(season),
     )
     return Edition(
         settings=settings,
@@ -94,6 +94,11 @@ def enter_edition(session: Session, track: str, edition: Edition | None, now: da
         session.flush()
     write_state(session, EDITIONS, {**numbers, track: row.id}, now)
     return row.id
+
+
+def model_of(season: Season) -> ModelTerms | None:
+    """Return the model that submissions may ask by the settings, on its terms; None if there is none."""
+    return None if season.settings.model is None else ModelTerms.about(season.settings.model)
 
 
 def sandbox_of(session: Session, season: Season) -> str:

@@ -23,7 +23,7 @@ EDITIONS = "editions"  # {track: number}: the editions that are in force
 SEASON = "season"  # {"name", "commitment"}: whose database this is
 FAILED = "failed"  # {"reason"}: the conductor can play nothing; unset after its next round
 RESTARTS = "restarts"  # {thread: count}: how often the conductor's threads broke and were begun again
-NODES = "nodes"  # {"nodes": […], "sandbox"}: where the conductor plays, for pages
+NODES = "nodes"  # {"nodes": […], "sandbox", "model"}: where and with what the conductor plays, for pages
 
 
 def read_state(session: Session, name: str) -> dict[str, Any] | None:

@@ -6,22 +6,27 @@ from shutil import make_archive
 
 import pytest
 from sqlalchemy import func, select
+from tests.commands import run_command
 from tests.leaderboard.agents import write_agent
 from tests.leaderboard.conductor.conducted import Conducted, conducting
 from tests.leaderboard.seasons_made import make_season
 
 from wildscav.errors import UserError
+from wildscav_evaluator.executors.local import LocalExecutor
 from wildscav_leaderboard.boards.documents import SuiteBoard
+from wildscav_leaderboard.conductor.conductor import Conductor
 from wildscav_leaderboard.conductor.editions import (
     EditionChange,
     apply_editions,
     begin_editions,
     edition_changes,
 )
-from wildscav_leaderboard.matches.models import FINISHED, SUITE, VOID, WAITING, Match
+from wildscav_leaderboard.matches.models import FINAL, FINISHED, SUITE, VOID, WAITING, Match
+from wildscav_leaderboard.matches.service import NOT_IN_FORCE
 from wildscav_leaderboard.organizing import finalizing
 from wildscav_leaderboard.organizing.acts import ACTS
 from wildscav_leaderboard.organizing.checking import check_rules, check_season, entries_without_model
+from wildscav_leaderboard.organizing.status import status
 from wildscav_leaderboard.publishing.service import board_lines
 from wildscav_leaderboard.seasons import state as season_state
 from wildscav_leaderboard.seasons.folder import SECRET_FILE, Season
@@ -58,11 +63,16 @@ def play(season: Conducted, score: float = 1.0) -> int:
 
 def edit(season: Conducted, file: str, old: str, new: str) -> list[EditionChange]:
     """Edit a file, and start the season again."""
+    rewrite(season, file, old, new)
+    return season.write(lambda session: begin_editions(session, season.season, season.now))
+
+
+def rewrite(season: Conducted, file: str, old: str, new: str) -> None:
+    """Edit a file, without the conductor's knowledge."""
     path = season.season.folder / file
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new))
     season.season = Season.open(season.season.folder)
-    return season.write(lambda session: begin_editions(session, season.season, season.now))
 
 
 def apply(season: Conducted) -> list[EditionChange]:
@@ -160,6 +170,49 @@ def test_matches_that_wait_are_played_by_the_edition_that_counts_them(season: Co
     assert {match.spec["time_limit"] for _, match in season.take_matches(9)} == {5}
 
 
+@pytest.mark.parametrize("how", ["lost", "broken", "paused", "of an old database"])
+def test_a_match_whose_edition_ends_while_it_is_played_never_waits_for_ever(tmp_path: Path, how: str) -> None:
+    with conducting(make_season(tmp_path / "season", "matches = 2")) as season:
+        for team in ("foxes", "owls"):
+            season.active(team, ("battle",))
+        season.plan()
+        ((attempt, match),) = season.take_matches(1, begun=how != "paused")
+        edit(season, "tiny.toml", "match = { time_limit = 4, seats", "match = { time_limit = 5, seats")
+        apply(season)
+
+        if how == "broken":
+            season.broke(attempt.id)
+        elif how == "paused":
+            season.act(ACTS["pause"], reason="a move")
+            assert not season.begin(attempt)
+            season.act(ACTS["resume"])
+        else:
+            season.take_over()
+            season.expire()
+        if how == "of an old database":
+            season.write(lambda session: let_wait(session.get_one(Match, match.id)))
+            season.take_over()
+
+        assert (season.match(match.id).state, season.match(match.id).detail) == (VOID, NOT_IN_FORCE)
+        while season.plan():
+            play(season)
+        board = season.board("battle")
+        assert board is not None
+        assert {row.team for row in board.rows if row.matches >= 2} >= {"foxes", "owls"}
+        assert finalize(season).stage == finalizing.DECIDING
+
+
+def let_wait(match: Match) -> None:
+    match.state, match.detail = WAITING, ""
+
+
+def finalize(season: Conducted, best: int = 1) -> finalizing.Ending:
+    later = season.season.settings.closes
+    with season.database.writing() as session:
+        finalizing.begin(session, season.season, "anna", best, later, early=False)
+        return finalizing.advance(session, season.season, "anna", later)
+
+
 def test_an_edit_that_is_undone_brings_the_old_results_back(season: Conducted) -> None:
     before = ranked(season)
     file, old, new = EDITS["the suite"]
@@ -169,6 +222,23 @@ def test_an_edit_that_is_undone_brings_the_old_results_back(season: Conducted) -
     apply(season)
     assert play(season) == 0, "all of it was played before"
     assert ranked(season) == before
+
+
+def test_a_ladder_whose_edition_comes_back_goes_on_where_it_was(tmp_path: Path) -> None:
+    with conducting(make_season(tmp_path / "season", "matches = 4")) as season:
+        for team in ("foxes", "owls"):
+            season.active(team, ("battle",))
+        season.plan()
+        assert season.played(season.take_matches(1)[0][0])
+        for times in ("45", "54"):
+            old, new = (f"match = {{ time_limit = {time}, seats" for time in times)
+            edit(season, "tiny.toml", old, new)
+            apply(season)
+            while play(season) + season.plan():
+                pass
+        board = season.board("battle")
+        assert board is not None
+        assert {row.team for row in board.rows if row.matches >= 4} >= {"foxes", "owls"}
 
 
 def test_rules_may_be_edited_freely_while_nobody_has_played(tmp_path: Path) -> None:
@@ -200,27 +270,41 @@ def test_an_edition_that_cannot_be_played_here_waits_until_it_can(season: Conduc
     assert "2 matches of the edition in force wait until then" in navigation.text
     assert "they belong to the sandbox process, and this is bubblewrap" in navigation.text
     assert season.take_matches(8) == []
-    later = season.season.settings.closes
-
-    def finalize() -> finalizing.Ending:
-        with season.database.writing() as session:
-            finalizing.begin(session, season.season, "anna", 1, later, early=False)
-            return finalizing.advance(session, season.season, "anna", later)
-
     with pytest.raises(RefusalError, match=r"matches of navigation wait \(runner-3\), and cannot be played"):
-        finalize()
+        finalize(season)
     file, old, new = EDITS["the sandbox"]
     assert edit(season, file, new, old) == []
     assert play(season) == 2
 
 
+@pytest.mark.parametrize("what", ["a model", "the sandbox"])
+def test_a_conductor_that_has_to_be_started_again_is_named(season: Conducted, what: str) -> None:
+    running = Conductor(season.season, season.database)
+    running._sandbox = "process"
+
+    def publish() -> None:
+        season.write(lambda session: running._publish_nodes(session, LocalExecutor(1)))
+
+    def failed() -> str | None:
+        with season.database.reading() as session:
+            return status(session, season.season, season.now).failed
+
+    publish()
+    rewrite(season, *EDITS[what])
+    assert failed() is None, "it plays on under the old edition"
+    done = run_command("season", "apply", season.season.folder, "--yes")
+    said = "matches of navigation, battle wait until you start `wildscav season serve` again"
+    assert said in " ".join(done.stdout.split())
+    assert str(failed()).startswith(said)
+
+    running.season, running._sandbox = season.season, season.season.settings.execution.sandbox or "process"
+    publish()
+    assert failed() is None
+
+
 def test_a_track_that_is_removed_goes_on_until_that_is_applied(season: Conducted) -> None:
     season.active("foxes")
-    path = season.season.folder / SETTINGS_FILE
-    text = path.read_text()
-    track = text[text.index("[tracks.navigation]") : text.index("[tracks.battle]")]
-
-    (change,) = edit(season, SETTINGS_FILE, track, "")
+    (change,) = edit(season, SETTINGS_FILE, navigation(season), "")
 
     assert change.text == (
         "navigation is removed: its boards stay as they are; 2 matches of the edition in force are given up"
@@ -229,6 +313,28 @@ def test_a_track_that_is_removed_goes_on_until_that_is_applied(season: Conducted
     apply(season)
     season.refresh()
     assert WAITING not in counts(season), "nothing waits for ever"
+    assert ranked(season) == [("foxes", 2), ("owls", 2)]
+
+
+def navigation(season: Conducted) -> str:
+    """The settings of navigation."""
+    text = (season.season.folder / SETTINGS_FILE).read_text()
+    return text[text.index("[tracks.navigation]") : text.index("[tracks.battle]")]
+
+
+def test_a_track_that_is_put_back_goes_on_where_it_was(season: Conducted) -> None:
+    season.active("foxes")
+    edit(season, *EDITS["the suite"])
+    apply(season)
+    track, number = navigation(season), season.write(edition_numbers)["navigation"]
+    edit(season, SETTINGS_FILE, track, "")
+    apply(season)
+    assert season.take_matches(8) == []
+
+    assert edit(season, SETTINGS_FILE, "[tracks.battle]", track + "[tracks.battle]") == []
+
+    assert season.write(edition_numbers)["navigation"] == number
+    assert play(season) == 6, "two of each entry"
     assert ranked(season) == [("foxes", 2), ("owls", 2)]
 
 
@@ -324,6 +430,36 @@ def test_what_was_given_up_is_run_again_under_the_edition_in_force_alone(season:
     with season.database.reading() as session:
         states = {(match.edition_id == in_use, match.state) for match in session.scalars(own)}
     assert states == {(True, WAITING), (False, VOID)}
+
+
+def test_an_end_that_is_taken_back_leaves_nothing_in_the_way_of_another_one(season: Conducted) -> None:
+    assert finalize(season, best=2).planned == 4
+    (taken, _), *_ = season.take_matches(1)
+    assert season.played(taken)
+    edit(season, *EDITS["the sandbox"])
+    with pytest.raises(RefusalError, match=r"take the end back .* and have all entries judged again"):
+        finalize(season)
+    file, old, new = EDITS["the sandbox"]
+    edit(season, file, new, old)
+    season.write(lambda session: finalizing.abort(session, "anna", season.now))
+    edit(season, *EDITS["the suite"])
+    apply(season)
+    assert play(season) == 4
+    assert finalize(season).planned == 2, "the best one's, under the edition in force"
+    assert play(season) == 2
+    assert finalize(season).stage == finalizing.DONE
+
+
+def test_an_entry_may_be_left_out_when_its_final_matches_were_given_up(season: Conducted) -> None:
+    assert finalize(season, best=2).planned == 4
+    lost = select(Match).filter_by(kind=FINAL, group_id=1)
+    season.write(lambda session: give_up(session.scalars(lost).all()))
+    play(season)
+    with pytest.raises(RefusalError, match="final matches of 1 were given up"):
+        finalize(season)
+    season.write(lambda session: finalizing.leave_out(session, "anna", [1], "it was asked for", season.now))
+    assert finalize(season).stage == finalizing.DONE
+    assert ranked(season) == [("owls", 2)]
 
 
 def test_nothing_can_be_applied_once_final_matches_are_played(season: Conducted) -> None:

@@ -152,10 +152,11 @@ def apply(
     """Bring changed rules into force: a new edition of each track that they concern, judged again.
 
     It shows first what that costs. Results of the edition before stay on a board of their own. A season that
-    runs goes on under the new edition at once.
+    runs goes on under the new edition at once, unless `season serve` has to be started again first: with
+    another sandbox or model.
     """
     from wildscav_leaderboard.cli.season.acts import command_line
-    from wildscav_leaderboard.conductor.editions import apply_editions, edition_changes
+    from wildscav_leaderboard.conductor.editions import apply_editions, edition_changes, why_to_restart
     from wildscav_leaderboard.organizing.checking import entries_without_model
 
     with opened(folder) as (season, database):
@@ -168,4 +169,7 @@ def apply(
             typer.confirm("Bring this into force?", abort=True)
         with database.writing() as session:
             apply_editions(session, season, command_line(), datetime.now(UTC))
-    console.print("the new rules are in force")
+            restart = why_to_restart(session, season)
+    console.print(
+        "the new rules are in force" if restart is None else f"the new rules are in force: {restart}"
+    )
