@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from wildscav_engine.envs.batched import BatchedArena, Outcome
-from wildscav_engine.envs.curriculum import Curriculum
+from wildscav_engine.envs.curriculum import SharedCurriculum
 from wildscav_training.learning.environment import APART, ROOM, make_env, mean_of, sizes_of
 from wildscav_training.learning.self_play import SelfPlay
 from wildscav_training.learning.settings import TrainingSettings
@@ -140,7 +140,7 @@ class PPO:
             UserError: The environment cannot be made, or has actions or observations of another kind.
         """
         self.settings, self._given = settings, settings.hyperparameters
-        self.curriculum = Curriculum(len(settings.curriculum) + 1)
+        self.curriculum = SharedCurriculum(len(settings.curriculum) + 1, self._given.matches)
         self.opponents = SelfPlay(settings.opposition, settings.seed)
         self._make_env()
         self.choices = Choices(sizes_of(self.env))
@@ -225,7 +225,8 @@ class PPO:
         names = self.env.arena.metrics
         rows = outcome.metrics.reshape(len(returns), len(names))
         if "success" in names:
-            self.curriculum.record(rows[:, names.index("success")].tolist())
+            by_learner = outcome.metrics[:, :, names.index("success")]  # who may share a success
+            self.curriculum.record_rows(ended, by_learner.mean(axis=1).tolist())
         return [
             {"return": float(total), **dict(zip(names, row, strict=True))}
             for total, row in zip(returns, rows.tolist(), strict=True)

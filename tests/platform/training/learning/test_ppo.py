@@ -106,6 +106,20 @@ def test_a_run_continues_from_its_state_bit_for_bit(track: str, more: dict[str, 
     assert all(math.isfinite(figure) for figure in figures.values())
 
 
+@pytest.mark.parametrize(("failing", "stage"), [([0], 0), ([], 1)])
+def test_a_match_that_ends_soon_counts_no_more_often_than_others(failing: list[int], stage: int) -> None:
+    """Four matches of a team of two; in some, a step ends an episode, and in others only the time limit."""
+    settings = small("capture", steps=10**6, curriculum=(5.0,), agents=2, time_limit=30.0)
+    learner = PPO(settings)
+    learner.env.set_options(target=(0.0, 0.0, 0.0), start=(0.0, 0.0, 0.0), start_range=None)
+    learner.env.set_options(rows=failing, start=(18.0, 0.0, 0.0), time_limit=1e4)
+    learner._begin_stage()
+    learner._play()
+    learner._play()
+    assert learner.steps == 2 * 16 * 4 * 2
+    assert learner.curriculum.advance() == (stage == 1)
+
+
 def test_seeds_differ() -> None:
     assert weights(trained(small(seed=1), 1)) != weights(trained(small(seed=2), 1))
 
