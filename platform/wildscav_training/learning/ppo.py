@@ -24,7 +24,8 @@ from wildscav_training.learning.settings import TrainingSettings
 from wildscav_training.learning.start import put_layers
 
 DIVERGENCE = 0.01  # of a policy from the one before, wished for where its weight is not 0
-VALUE_FIRST = 10  # rollouts in which only the value learns, if the policy starts from another one
+VALUE_FIRST = 10  # rollouts in which only the value learns, if the policy starts from another one ...
+MOST_FIRST = 4  # ... but at most one in so many of the run
 
 
 class Rollout(NamedTuple):
@@ -290,7 +291,7 @@ class PPO:
     @property
     def _is_policy_kept(self) -> bool:
         """Whether only the value learns: judged by a value that knows nothing, a good policy gets worse."""
-        return self.settings.start is not None and self.rollouts < VALUE_FIRST
+        return self.settings.start is not None and self.rollouts < min(VALUE_FIRST, self.total // MOST_FIRST)
 
     def _adapt(self, divergence: float) -> None:
         """Weight the divergence more where it was large, and less where it was small; 0 stays 0."""
