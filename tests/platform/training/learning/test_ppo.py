@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -177,6 +178,19 @@ def test_copies_of_the_policy_join_evenly_and_learn_no_more() -> None:
     assert not last.requires_grad
     learner.iterate()
     assert not torch.equal(last, learner.policy[-1].weight)
+
+
+@pytest.mark.parametrize(("total", "joined"), [(7, 7), (20, 20), (25, 20), (100, 20), (119, 20)])
+def test_twenty_copies_join_in_a_run_or_one_after_each_rollout(total: int, joined: int) -> None:
+    learner = PPO(battle("self"))
+    when = []
+    for rollouts in range(1, total + 1):
+        before = len(learner.opponents.league.sources)
+        learner.opponents.after_rollout(rollouts, total, learner.policy)
+        if len(learner.opponents.league.sources) > before:
+            when.append(rollouts)
+    assert len(when) == joined
+    assert {after - before for before, after in pairwise(when)} <= {total // joined, -(-total // joined)}
 
 
 def test_the_next_level_of_a_robot_joins_when_the_learner_beats_the_present_one() -> None:
