@@ -114,7 +114,8 @@ def preset_settings(
             exit_code=2,
         )
     # On a ladder, the level says who else plays.
-    is_ladder = options.get("preset") in LADDERS
+    named = options.get("preset")
+    is_ladder = isinstance(named, str) and named in LADDERS
     base: dict[str, Any] = {"flat": True, **({} if is_ladder else SEATS.get(track, ALONE))}
     if preset == "tuned":
         base |= {"version": 1, "action_mode": "multidiscrete", **SHAPED.get(track, {})}

@@ -74,9 +74,16 @@ def test_gatherers_form_a_team_of_any_size_against_any_company(
     assert make_env(settings, 1, None).config.teams == teams
 
 
-def test_a_wrong_option_is_said() -> None:
-    with pytest.raises(UserError, match=r"^the options of the environment: agents: "):
-        preset_settings("tuned", "gathering", {"agents": "many"})
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"agents": "many"}, "agents: "),
+        ({"preset": ["a"]}, r"preset is \['a'\]; the presets are paper-navigation"),
+    ],
+)
+def test_a_wrong_option_is_said(options: dict[str, Any], says: str) -> None:
+    with pytest.raises(UserError, match=f"^the options of the environment: {says}"):
+        preset_settings("tuned", "gathering", options)
 
 
 @pytest.mark.parametrize("track", ["navigation", "gathering", "capture"])
