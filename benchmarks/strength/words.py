@@ -5,7 +5,6 @@
 plays the same matches of a level with ``benchmarks/strength/reader`` and with ``homing``, and compares them.
 """
 
-import math
 import statistics
 import sys
 from collections.abc import Callable, Sequence
@@ -25,7 +24,7 @@ from wildscav_language.seat import Counts, Seat
 from wildscav_language.senses import sensors
 from wildscav_server.hosting.manifest import Manifest
 from wildscav_training.opponents import SubmissionOpponent, named_agent
-from wildscav_training.trials import SUCCESS, SURE, Trial, matches_on, mean, play, rate
+from wildscav_training.trials import SUCCESS, Trial, half_width, matches_on, mean, play, rate
 
 READER = Path(__file__).parent / "reader"
 SCORES = {"navigation": SUCCESS, "gathering": "supplies"}
@@ -75,7 +74,7 @@ def ratio(own: Sequence[float], others: Sequence[float]) -> tuple[float, float]:
     below = statistics.fmean(others)
     middle = statistics.fmean(own) / below
     rest = [one - middle * other for one, other in zip(own, others, strict=True)]
-    return middle, SURE * statistics.stdev(rest) / math.sqrt(len(rest)) / below
+    return middle, half_width(rest) / below
 
 
 def said_of_scores(name: str, trials: Sequence[Trial], track: str) -> str:

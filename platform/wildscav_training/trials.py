@@ -1,8 +1,10 @@
 """Matches that agents play in this process to be measured, and what they reach, with 95 % intervals."""
 
+import math
 import statistics
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +21,7 @@ from wildscav_engine.specs.actions import no_actions
 from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_training.opponents import Oracle
 
-SURE = 1.96  # standard errors in a 95 % interval
+SURE = 1.96  # standard errors in a 95 % interval, where they are known
 SUCCESS = "success"  # the metric that is a rate
 
 
@@ -102,7 +104,7 @@ def play_out(
 
 
 def estimate(name: str, trials: Sequence[Trial]) -> Estimate:
-    """Return the mean of a metric; its interval is Wilson's for a rate, otherwise the normal one."""
+    """Return the mean of a metric; its interval is Wilson's for a rate, otherwise Student's."""
     values = [trial.metrics[name] for trial in trials]
     middle = statistics.fmean(values)
     if name == SUCCESS:
@@ -112,8 +114,34 @@ def estimate(name: str, trials: Sequence[Trial]) -> Estimate:
 
 
 def half_width(values: Sequence[float]) -> float:
-    """Return how far the 95 % interval of a mean reaches to either side."""
-    return SURE * statistics.stdev(values) / len(values) ** 0.5 if len(values) > 1 else 0.0
+    """Return how far the 95 % interval of a mean reaches to either side; 0 for a single value."""
+    if len(values) < 2:
+        return 0.0
+    return student(len(values) - 1) * statistics.stdev(values) / math.sqrt(len(values))
+
+
+@cache
+def student(freedom: int) -> float:
+    """Return how many standard errors a 95 % interval reaches to either side, by its degrees of freedom."""
+    low, high = 0.0, math.pi / 2.0
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _share_within(middle, freedom) < 0.95 else (low, middle)
+    return math.tan(low) * math.sqrt(freedom)
+
+
+def _share_within(angle: float, freedom: int) -> float:
+    """Return the probability that Student's t lies within ± tan(angle) · √freedom.
+
+    Abramowitz & Stegun, "Handbook of Mathematical Functions", 1964, 26.7.3 and 26.7.4.
+    """
+    is_odd = freedom % 2
+    term, total = math.cos(angle) ** is_odd, 0.0
+    for power in range(is_odd, freedom - 1, 2):
+        total += term
+        term *= (power + 1) / (power + 2) * math.cos(angle) ** 2
+    share = math.sin(angle) * total
+    return (angle + share) * 2.0 / math.pi if is_odd else share
 
 
 def wilson(share: float, count: int) -> tuple[float, float]:

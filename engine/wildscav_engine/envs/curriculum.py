@@ -13,13 +13,14 @@ from wildscav_engine.envs.settings.episodes import Plan
 
 NEEDED = 0.8  # mean result that opens the next stage
 WINDOW = 128  # episodes that it is measured on
+ROUND = 64  # episodes that it is measured on at least, where rows share a place
 
 
 class Curriculum:
     """A place in a list of stages, from easy to hard, that follows the results of a learner.
 
-    Successes end sooner than failures do, so the first episodes that end after a change are the lucky ones.
-    The mean is therefore measured only when a whole window of episodes has ended in the stage.
+    The mean is measured only when a whole window of episodes has ended in the stage. The episodes are those
+    of one row, one after the other; ``SharedCurriculum`` is for the rows of an environment together.
     """
 
     def __init__(
@@ -68,6 +69,62 @@ class Curriculum:
         """Continue from what ``state`` returned."""
         self.stage = int(state["stage"])
         self._results = deque(state["results"], maxlen=self._results.maxlen)
+
+
+class SharedCurriculum(Curriculum):
+    """A place that all rows of an environment share.
+
+    Successes end sooner than failures do, so the first episodes that end in a stage are the lucky ones. What
+    counts is therefore a round: equally many episodes of every row, all of which begin in the round.
+    """
+
+    def __init__(self, stages: int, rows: int, episodes: int = ROUND) -> None:
+        """Begin with the first stage, in which the episodes of all rows begin.
+
+        Args:
+            stages: As for ``Curriculum``.
+            rows: The number of rows.
+            episodes: How many a round has at least.
+        """
+        self._each = -(-episodes // rows)  # episodes of a row in a round
+        super().__init__(stages, window=self._each * rows)
+        self._begin_round([self._each] * rows)
+
+    def _begin_round(self, due: list[int]) -> None:
+        self._due = due  # by row, until its last episode in the round ends; the running one may count, too
+        self._round: list[float] = []
+
+    def record_rows(self, rows: Sequence[int], results: Sequence[float]) -> None:
+        """Receive the results, 0 to 1, of the episodes that have ended in some rows; others begin there.
+
+        A round is over when all of its episodes have ended, or when those that have already suffice.
+        """
+        for row, result in zip(rows, results, strict=True):
+            if 0 < self._due[row] <= self._each:
+                self._round.append(result)
+            self._due[row] = max(self._due[row] - 1, 0)
+        size = self._each * len(self._due)
+        if len(self._round) == size or sum(self._round) >= self._up * size:
+            self.record(self._round + [0.0] * (size - len(self._round)))
+            # An episode that already runs would be a long one more often than not, so it does not count.
+            self._begin_round([self._each + (row not in rows) for row in range(len(self._due))])
+
+    def advance(self) -> bool:
+        """Go on to the next stage if that is due; then all rows must begin new episodes."""
+        is_next = super().advance()
+        if is_next:
+            self._begin_round([self._each] * len(self._due))
+        return is_next
+
+    def state(self) -> dict[str, Any]:
+        """Return the state for a checkpoint."""
+        return {**super().state(), "round": list(self._round), "due": list(self._due)}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Continue from what ``state`` returned."""
+        super().restore(state)
+        # Checkpoints of 0.2.0 have no round.
+        self._round, self._due = list(state.get("round", [])), list(state.get("due", self._due))
 
 
 class AdaptiveOptions(VectorWrapper):

@@ -44,7 +44,6 @@ class ParallelArena(OneMatch, ParallelEnv[str, Observation, Any]):
         ``agents`` is the number of learners.
         """
         self.config = multi_agent_config(track, options)
-        self._options = {**options}
         self.metadata = {
             "name": f"wildscav_{track}_v{self.config.version}",
             **pictures_of(self.config),

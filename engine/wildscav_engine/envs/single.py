@@ -11,9 +11,9 @@ from wildscav_engine.envs.arena import Arena, ArenaOutput, Changeable
 from wildscav_engine.envs.infos import Infos
 from wildscav_engine.envs.rendering.render import Renderer
 from wildscav_engine.envs.saving import load, save
-from wildscav_engine.envs.settings.config import EnvConfig, read_config
+from wildscav_engine.envs.settings.config import EnvConfig, options_of, read_config
 from wildscav_engine.envs.settings.episodes import Episodes, read_seed
-from wildscav_engine.envs.settings.options import EnvOptions, EpisodeOptions
+from wildscav_engine.envs.settings.options import EnvOptions
 from wildscav_engine.envs.spaces.observation import Observation, observation_space
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
 
@@ -23,14 +23,8 @@ RENDER_MODES = ["rgb_array", "depth_array", "human", "rerun"]
 class OneMatch(Changeable):
     """An environment of one match, whose state can be saved."""
 
-    _options: dict[str, Any]  # with which the environment was made
     _episodes: Episodes | None
     _renderer: Renderer
-
-    def set_options(self, **changes: Unpack[EpisodeOptions]) -> None:
-        """Change options from the next episode on, and those of copies that ``fork`` makes."""
-        super().set_options(**changes)
-        self._options |= {name: getattr(self.config, name) for name in changes}
 
     def get_state(self) -> bytes:
         """Return the state of the match and of the sequence of episodes as bytes.
@@ -76,8 +70,9 @@ class OneMatch(Changeable):
         With the same actions, both continue identically. The copy has no render mode, and copies of reward
         functions and observers that are objects: their memory is no part of the state.
         """
-        own = deepcopy({name: self._options.get(name, {}) for name in ("reward_functions", "observers")})
-        other = type(self)(self.config.track, **(self._options | own | {"render_mode": None}))  # type: ignore[call-arg]
+        options = options_of(self.config)
+        own = deepcopy({name: options[name] for name in ("reward_functions", "observers")})
+        other = type(self)(self.config.track, **{**options, **own, "render_mode": None})  # type: ignore[call-arg]
         other.set_state(self.get_state())
         return other
 
@@ -94,7 +89,6 @@ class SingleEnv(OneMatch, gymnasium.Env[Observation, Any]):
     def __init__(self, track: str, **options: Unpack[EnvOptions]) -> None:
         """Create an environment of a track with the fields of ``EnvOptions``; ValueError if one is wrong."""
         self.config = single_agent_config(track, options)
-        self._options = {**options}
         self.metadata = pictures_of(self.config)
         self.render_mode = self.config.render_mode
         self.observation_space: Space[Any] = observation_space(self.config)

@@ -189,10 +189,12 @@ def read_layers(path: Path) -> tuple[list[NDArray[Any]], list[NDArray[Any]]]:
             count = next((layer for layer, name in enumerate(names) if name not in arrays), len(names))
             weights = [arrays[f"weight_{layer}"] for layer in range(count)]
             biases = [arrays[f"bias_{layer}"] for layer in range(count)]
-    except (KeyError, ValueError, OSError, AttributeError, zipfile.BadZipFile) as error:
+    except (KeyError, TypeError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
         raise PolicyError(f"{path} holds no layers: {error}; {NEEDED}") from None
     if not weights:
         raise PolicyError(f"{path} holds no weight_0; {NEEDED}")
+    if () in (weight.shape for weight in weights):
+        raise PolicyError(f"{path} holds no layers: a weight is a single number; {NEEDED}")
     if strange := [values.dtype for values in (*weights, *biases) if values.dtype.kind not in "fiu"]:
         raise PolicyError(f"{path} holds {strange[0]}, must hold numbers")
     return weights, biases

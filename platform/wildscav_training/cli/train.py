@@ -174,7 +174,6 @@ def _settings(
     seed: int,
 ) -> "TrainingSettings":
     """Return the settings of a run."""
-    from wildscav_engine.envs.batched import multi_agent_config
     from wildscav_engine.tracks import TRACKS
     from wildscav_training.cli.from_policy import read_option
     from wildscav_training.learning.settings import TrainingSettings, changed, preset_settings
@@ -182,10 +181,6 @@ def _settings(
     known_track(track)
     hyperparameters, all_options = preset_settings(preset, track, options)
     hyperparameters = changed(hyperparameters, dict(read_option(text, "--set") for text in changes or []))
-    try:
-        multi_agent_config(track, all_options)
-    except (TypeError, ValueError) as error:
-        raise UserError(f"the options of the environment: {error}", exit_code=2) from None
     if curriculum is not None and not TRACKS[track].has_target:
         raise UserError(f"--curriculum is for tracks with a target, not for {track}", exit_code=2)
     stages = () if curriculum is None else _stages(curriculum)

@@ -6,7 +6,7 @@ from typing import Any
 from wildscav.errors import UserError
 from wildscav_engine.envs.batched import BatchedArena
 from wildscav_training.learning.opposition import fixed_opponents
-from wildscav_training.learning.settings import MODES, TrainingSettings
+from wildscav_training.learning.settings import MODES, TrainingSettings, with_opponents
 
 APART = 2**32  # between the seeds of the episodes of two runs
 ROOM = 2**20  # seeds for a stage of the curriculum
@@ -25,8 +25,12 @@ def make_env(
         UserError: An option is invalid, or the environment is not one that can be learned here.
     """
     options = {"autoreset_mode": "SameStep", **settings.options, **more}
-    if settings.opposition is not None and "opponents" not in more:
-        options["opponents"] = fixed_opponents(settings.opposition)
+    if settings.opposition is not None:
+        if "opponents" not in more:
+            options["opponents"] = fixed_opponents(settings.opposition)
+        own = int(options.get("agents", 1)) + len(options.get("teammates", ()))
+        if len(options.get("teams") or ()) == own:
+            options["teams"] = with_opponents(options["teams"], settings.opposition.seats)
     if start_range is not None:
         options["start_range"] = start_range
     try:

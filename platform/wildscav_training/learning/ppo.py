@@ -17,14 +17,15 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from wildscav_engine.envs.batched import BatchedArena, Outcome
-from wildscav_engine.envs.curriculum import Curriculum
+from wildscav_engine.envs.curriculum import SharedCurriculum
 from wildscav_training.learning.environment import APART, ROOM, make_env, mean_of, sizes_of
 from wildscav_training.learning.self_play import SelfPlay
 from wildscav_training.learning.settings import TrainingSettings
 from wildscav_training.learning.start import put_layers
 
 DIVERGENCE = 0.01  # of a policy from the one before, wished for where its weight is not 0
-VALUE_FIRST = 10  # rollouts in which only the value learns, if the policy starts from another one
+VALUE_FIRST = 10  # rollouts in which only the value learns, if the policy starts from another one ...
+MOST_FIRST = 4  # ... but at most one in so many of the run
 
 
 class Rollout(NamedTuple):
@@ -140,7 +141,7 @@ class PPO:
             UserError: The environment cannot be made, or has actions or observations of another kind.
         """
         self.settings, self._given = settings, settings.hyperparameters
-        self.curriculum = Curriculum(len(settings.curriculum) + 1)
+        self.curriculum = SharedCurriculum(len(settings.curriculum) + 1, self._given.matches)
         self.opponents = SelfPlay(settings.opposition, settings.seed)
         self._make_env()
         self.choices = Choices(sizes_of(self.env))
@@ -225,7 +226,8 @@ class PPO:
         names = self.env.arena.metrics
         rows = outcome.metrics.reshape(len(returns), len(names))
         if "success" in names:
-            self.curriculum.record(rows[:, names.index("success")].tolist())
+            by_learner = outcome.metrics[:, :, names.index("success")]  # who may share a success
+            self.curriculum.record_rows(ended, by_learner.mean(axis=1).tolist())
         return [
             {"return": float(total), **dict(zip(names, row, strict=True))}
             for total, row in zip(returns, rows.tolist(), strict=True)
@@ -289,7 +291,7 @@ class PPO:
     @property
     def _is_policy_kept(self) -> bool:
         """Whether only the value learns: judged by a value that knows nothing, a good policy gets worse."""
-        return self.settings.start is not None and self.rollouts < VALUE_FIRST
+        return self.settings.start is not None and self.rollouts < min(VALUE_FIRST, self.total // MOST_FIRST)
 
     def _adapt(self, divergence: float) -> None:
         """Weight the divergence more where it was large, and less where it was small; 0 stays 0."""

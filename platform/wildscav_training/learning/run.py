@@ -10,6 +10,7 @@ import numpy as np
 import torch
 from tensorboardX import SummaryWriter
 
+from wildscav_engine.storage.files import part_of
 from wildscav_training.learning.checkpoints import RESULT, WEIGHTS, RunFolder, write_json
 from wildscav_training.learning.evaluation import WAYS, Score, evaluate
 from wildscav_training.learning.ppo import PPO
@@ -100,4 +101,6 @@ def _save_layers(path: Path, policy: Any) -> None:
     """Write the weights (outputs, inputs) and the biases (outputs,) of a policy's layers."""
     linear = [module for module in policy if isinstance(module, torch.nn.Linear)]
     arrays = {f"weight_{layer}": module.weight.detach().numpy() for layer, module in enumerate(linear)}
-    np.savez(path, **arrays, **{f"bias_{n}": module.bias.detach().numpy() for n, module in enumerate(linear)})
+    arrays |= {f"bias_{layer}": module.bias.detach().numpy() for layer, module in enumerate(linear)}
+    with part_of(path) as part, part.open("wb") as file:
+        np.savez(file, **arrays)

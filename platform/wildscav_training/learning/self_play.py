@@ -19,7 +19,7 @@ from wildscav_engine.envs.league.table import LeagueTable
 from wildscav_training.learning.opposition import Opposition
 from wildscav_training.opponents import submission
 
-COPIES = 20  # of the policy that join the league in a run, evenly over its rollouts
+COPIES = 20  # of the policy that join the league in a run, evenly over its rollouts, at most one after each
 LATEST = 0.5  # share of the seats of copies that go to the newest
 READY = 0.7  # win rate against a robot from which on the next level joins
 GAMES = 50  # against a robot before that
@@ -95,7 +95,7 @@ class SelfPlay:
         """Let a copy of the policy or the next level of a robot join; return the win rates."""
         if self._given is None:
             return {}
-        if self._given.plays_itself and rollouts % -(-total // COPIES) == 0:
+        if self._given.plays_itself and rollouts * COPIES // total > (rollouts - 1) * COPIES // total:
             self._join(policy)
         for levels in self._given.robots:
             self._raise_level(levels)

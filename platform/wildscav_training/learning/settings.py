@@ -1,6 +1,6 @@
 """What a training run is: its environment, its hyperparameters, and presets of both."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -59,10 +59,8 @@ PAPER = Hyperparameters(
 PRESETS = ("tuned", "paper")
 # Who learns in a match: teams learn together, and elsewhere one learner meets the track's own opponents.
 ALONE: dict[str, Any] = {"agents": 1, "opponents": None}
-SEATS: dict[str, dict[str, Any]] = {
-    "gathering": {"agents": 4, "teams": [0, 0, 0, 0]},
-    "capture": {"agents": 4},
-}
+SEATS: dict[str, dict[str, Any]] = {"gathering": {"agents": 4}, "capture": {"agents": 4}}
+TOGETHER = ("gathering",)  # where every learner would be a team of its own, if options did not say otherwise
 # The sensors of the preset "tuned" on the way to a target: two rings of LIDAR show the walls on all sides,
 # of which the depth map shows only those ahead.
 ALL_ROUND = {"depth": {"width": 10, "height": 10}, "lidar": {"channels": 2, "azimuths": 32}}
@@ -104,9 +102,10 @@ def preset_settings(
     """Return the hyperparameters of a preset, and its environment with the given options changed.
 
     Raises:
-        UserError: There is no such preset, or it has no environment of this track.
+        UserError: There is no such preset, it has no environment of this track, or an option is invalid.
     """
     from wildscav_engine.envs import PRESETS as ENVIRONMENTS
+    from wildscav_engine.envs.batched import multi_agent_config
     from wildscav_engine.envs.settings.presets import LADDERS
 
     if preset not in PRESETS:
@@ -115,8 +114,9 @@ def preset_settings(
             exit_code=2,
         )
     # On a ladder, the level says who else plays.
-    seats = {} if options.get("preset") in LADDERS else SEATS.get(track, ALONE)
-    base: dict[str, Any] = {"flat": True, **seats}
+    named = options.get("preset")
+    is_ladder = isinstance(named, str) and named in LADDERS
+    base: dict[str, Any] = {"flat": True, **({} if is_ladder else SEATS.get(track, ALONE))}
     if preset == "tuned":
         base |= {"version": 1, "action_mode": "multidiscrete", **SHAPED.get(track, {})}
     elif f"paper-{track}" in ENVIRONMENTS:
@@ -127,7 +127,22 @@ def preset_settings(
             f"--preset paper is for the tracks of the paper's experiments, {', '.join(tracks)}, not {track}",
             exit_code=2,
         )
-    return TUNED if preset == "tuned" else PAPER, {**base, **options}
+    made = {**base, **options}
+    is_together = track in TOGETHER and not is_ladder and "teams" not in options
+    try:
+        config = multi_agent_config(track, made | ({"teams": None} if is_together else {}))
+    except (TypeError, ValueError) as error:
+        raise UserError(f"the options of the environment: {error}", exit_code=2) from None
+    if is_together:
+        own = [0] * (config.agents + len(config.teammates))
+        made["teams"] = with_opponents(own, len(config.all_opponents))
+    return TUNED if preset == "tuned" else PAPER, made
+
+
+def with_opponents(teams: Sequence[int], opponents: int) -> list[int]:
+    """Return the teams of seats, and of opponents behind them, each of whom is a team of its own."""
+    first = max(teams) + 1
+    return [*teams, *range(first, first + opponents)]
 
 
 def changed(hyperparameters: Hyperparameters, changes: Mapping[str, Any]) -> Hyperparameters:

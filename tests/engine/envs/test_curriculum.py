@@ -8,7 +8,7 @@ from gymnasium.vector import SyncVectorEnv
 from tests.engine.envs.common import OPEN, options
 
 from wildscav_engine.envs import AdaptiveOptions, Curriculum, SingleEnv, VectorArena
-from wildscav_engine.envs.curriculum import WINDOW
+from wildscav_engine.envs.curriculum import WINDOW, SharedCurriculum
 
 
 @pytest.mark.parametrize(
@@ -47,6 +47,43 @@ def test_a_new_stage_counts_anew_and_continues_from_its_state() -> None:
     after.record([1.0])
     assert after.advance()
     assert after.stage == 2
+
+
+def test_quick_successes_of_some_rows_do_not_open_the_next_stage_for_all() -> None:
+    shared = SharedCurriculum(3, rows=5, episodes=5)
+    for _ in range(50):
+        shared.record_rows([0, 1, 2], [1.0, 1.0, 1.0])
+    assert not shared.advance(), "two rows still play their first episode"
+    shared.record_rows([3], [0.0])
+    again = SharedCurriculum(3, rows=5, episodes=5)
+    again.restore(shared.state())
+    for curriculum, result, stage in ((shared, 0.0, 0), (again, 1.0, 1)):  # 60 and 80 % of the first episodes
+        curriculum.record_rows([4], [result])
+        assert curriculum.advance() == (stage == 1)
+        assert curriculum.stage == stage
+
+
+def test_a_later_round_counts_episodes_that_begin_in_it() -> None:
+    shared = SharedCurriculum(3, rows=5, episodes=5)
+    shared.record_rows([0, 1], [1.0, 1.0])
+    shared.record_rows([2, 3, 4], [0.0, 0.0, 0.0])  # the first round ends, while two episodes run
+    for stage in (0, 1):  # those two are the first that end, and the next ones count
+        shared.record_rows(range(5), [float(row > 1 or stage) for row in range(5)])
+        assert shared.advance() == (stage == 1)
+    shared.record_rows([0, 1, 2, 3], [1.0] * 4)
+    assert shared.advance(), "all begin anew in a new stage, and the fifth cannot change that any more"
+
+
+@pytest.mark.parametrize(("last", "stage"), [(0.0, 0), (1.0, 1)])  # 75 and 92 %
+def test_a_round_has_several_episodes_of_each_of_few_rows(last: float, stage: int) -> None:
+    shared = SharedCurriculum(2, rows=2, episodes=5)  # three of each
+    shared.record_rows([0, 1], [1.0, 0.5])
+    for row in (0, 0, 0, 1):  # the fourth of the first row does not count
+        shared.record_rows([row], [1.0])
+        assert not shared.advance()
+    shared.record_rows([1], [last])
+    shared.advance()
+    assert shared.stage == stage
 
 
 STAGES: list[dict[str, Any]] = [{"time_limit": 0.2}, {"time_limit": 0.4, "start_range": 3.0}, {}]

@@ -55,6 +55,34 @@ def test_boxes_goals_and_zones_change_too() -> None:
     assert batch_of(royale).state.matches.phases[0] > 0
 
 
+@pytest.mark.parametrize(
+    "made", [{"preset": "ladder-battle", "level": "easy"}, {"map": OPEN}], ids=["ladder", "map"]
+)
+def test_a_level_that_would_change_nothing_is_refused(made: dict[str, Any]) -> None:
+    env = SingleEnv("battle", **BARE, **made)
+    before = env.config
+    with pytest.raises(
+        ValueError, match=r"^level has no effect with a map; a ladder's level is chosen where"
+    ):
+        env.set_options(level="expert")
+    assert env.config == before
+    env.set_options(level=before.level, time_limit=1.0)
+    env.set_options(map=None, level="expert", random_maps=1)  # other maps, with the company of before
+    assert (env.config.level, env.config.seats) == ("expert", before.seats)
+
+
+def test_a_fork_keeps_the_company_of_a_ladder() -> None:
+    env = SingleEnv("battle", **BARE, preset="ladder-battle", level="easy")
+    env.set_options(map=OPEN, time_limit=1.0)
+    env.set_options(map=(101,), level="hard")
+    env.set_options(map=OPEN)
+    env.reset(seed=1)
+    fork = env.fork()
+    assert fork.config == env.config
+    still = np.zeros_like(env.action_space.sample())
+    assert digest(fork.step(still)) == digest(env.step(still))
+
+
 def test_a_level_changes_the_maps_and_leaves_those_that_were_made() -> None:
     env = SingleEnv("navigation", **BARE, level="easy", random_maps=1)
     easy = env.arena.pool

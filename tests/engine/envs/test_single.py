@@ -141,6 +141,7 @@ def test_pieces_of_maps_for_testing_are_unseen_in_training_if_wished(
         ({"opponents": ("agents/hunter",)}, r"given as wildscav_training\.opponents.submission"),
         ({"map": 1000}, "maps have the ids 1 to 999"),
         ({"preset": "paper-capture"}, "preset 'paper-capture' is for the track 'capture', not for 'navig"),
+        ({"preset": ["a"]}, r"^preset is \['a'\]; the presets are paper-navigation"),
         ({"agents": 2}, "must be 1; use parallel_env"),
         ({"rules": "unfair"}, "rules: no rules are called 'unfair'; allowed are original, fair"),
     ],

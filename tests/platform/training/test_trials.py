@@ -6,7 +6,7 @@ from wildscav_engine.maps.pools import random_maps
 from wildscav_engine.specs.map_spec import MapConfig, MapSpec
 from wildscav_engine.specs.match_spec import SUBMISSION, MatchSpec
 from wildscav_training.opponents import named_agent
-from wildscav_training.trials import Trial, estimate, matches_on, mean, play, rate
+from wildscav_training.trials import Trial, estimate, matches_on, mean, play, rate, student
 
 OPEN = MapSpec(config=MapConfig(size=40, houses=0, relief=0.0, water=0.0, vegetation=0.0), seed=1)
 
@@ -47,7 +47,15 @@ def test_intervals() -> None:
     trials = [Trial({"success": float(number < 9), "spl": 0.1 * number}, 0.0) for number in range(10)]
 
     assert estimate("success", trials) == pytest.approx((0.9, 0.5958, 0.9821), abs=1e-4)
-    assert estimate("spl", trials) == pytest.approx((0.45, 0.2624, 0.6376), abs=1e-4)
+    assert estimate("spl", trials) == pytest.approx((0.45, 0.2334, 0.6666), abs=1e-4)
     assert rate([1, 1, 0, 1]) == "75.0 % (30.1–95.4)"
-    assert mean([0.5, 1.0], "+") == "+0.750 ± 0.490"
+    assert mean([0.5, 1.0], "+") == "+0.750 ± 3.177"
     assert mean([0.5]) == "0.500 ± 0.000"
+
+
+@pytest.mark.parametrize(
+    ("freedom", "errors"),  # as tables of Student's distribution have them
+    [(1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (9, 2.262), (30, 2.042), (99, 1.984), (10_000, 1.960)],
+)
+def test_few_values_make_a_wide_interval(freedom: int, errors: float) -> None:
+    assert student(freedom) == pytest.approx(errors, abs=5e-4)

@@ -213,6 +213,10 @@ def change_config(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
             f"{fixed[0]} cannot change between episodes{hint}; these options can: {', '.join(CHANGEABLE)}"
         )
     changed = with_changes(config, changes)
+    if changed.level != config.level and changed.map is not None and "map" not in changes:
+        raise ValueError(
+            "level has no effect with a map; a ladder's level is chosen where the environment is made"
+        )
     if changed.read_sensors() != config.read_sensors():
         raise ValueError(
             "a hot spot that comes or goes would change what is observed by default: name the sensors where "
@@ -246,8 +250,12 @@ def check_reset(options: Any, known: Sequence[str]) -> None:
 
 def with_changes(config: EnvConfig, changes: Mapping[str, Any]) -> EnvConfig:
     """Return validated options with changes of any of them; the errors are those of ``read_config``."""
-    fields = {name: getattr(config, name) for name in EnvConfig.model_fields if name != "track"}
-    return read_config(config.track, {**fields, **changes})
+    return read_config(config.track, {**options_of(config), **changes})
+
+
+def options_of(config: EnvConfig) -> dict[str, Any]:
+    """Return the options that make an environment as it is now, those of its preset among them."""
+    return {name: getattr(config, name) for name in EnvConfig.model_fields if name != "track"}
 
 
 def read_config(track: str, options: Mapping[str, Any], **defaults: Any) -> EnvConfig:

@@ -81,9 +81,10 @@ LADDERS: dict[str, tuple[str, dict[str, Any]]] = {  # of which track, with which
 }
 
 
-def preset_options(name: str, track: str, level: Any = "normal") -> dict[str, Any]:
+def preset_options(name: Any, track: str, level: Any = "normal") -> dict[str, Any]:
     """Return the options of a preset or of a ladder's level."""
-    if name not in (known := PRESETS | LADDERS):
+    known = PRESETS | LADDERS
+    if not isinstance(name, str) or name not in known:
         raise ValueError(f"preset is {name!r}; the presets are {', '.join(known)}")
     of_track, options = known[name]
     if of_track != track:

@@ -119,7 +119,7 @@ def test_normalized_scores() -> None:
     # Its leads of 55 are half of 110, the reference's on average; where that leads by 130, they are less.
     half = normalized([55.0, 65.0, 75.0], random, reference)
     assert half == pytest.approx([0.5 + 5 / 110, 0.5 + 5 / 110, 0.5 - 10 / 110])
-    assert half_width(half) == pytest.approx(0.0891, abs=1e-4)
+    assert half_width(half) == pytest.approx(0.1956, abs=1e-4)
     assert normalized(reference, random, [5.0, 0.0, 30.0]) == [], (
         "no better than random, as far as one can tell"
     )

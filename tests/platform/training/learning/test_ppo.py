@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -106,6 +107,20 @@ def test_a_run_continues_from_its_state_bit_for_bit(track: str, more: dict[str, 
     assert all(math.isfinite(figure) for figure in figures.values())
 
 
+@pytest.mark.parametrize(("failing", "stage"), [([0], 0), ([], 1)])
+def test_a_match_that_ends_soon_counts_no_more_often_than_others(failing: list[int], stage: int) -> None:
+    """Four matches of a team of two; in some, a step ends an episode, and in others only the time limit."""
+    settings = small("capture", steps=10**6, curriculum=(5.0,), agents=2, time_limit=30.0)
+    learner = PPO(settings)
+    learner.env.set_options(target=(0.0, 0.0, 0.0), start=(0.0, 0.0, 0.0), start_range=None)
+    learner.env.set_options(rows=failing, start=(18.0, 0.0, 0.0), time_limit=1e4)
+    learner._begin_stage()
+    learner._play()
+    learner._play()
+    assert learner.steps == 2 * 16 * 4 * 2
+    assert learner.curriculum.advance() == (stage == 1)
+
+
 def test_seeds_differ() -> None:
     assert weights(trained(small(seed=1), 1)) != weights(trained(small(seed=2), 1))
 
@@ -163,6 +178,19 @@ def test_copies_of_the_policy_join_evenly_and_learn_no_more() -> None:
     assert not last.requires_grad
     learner.iterate()
     assert not torch.equal(last, learner.policy[-1].weight)
+
+
+@pytest.mark.parametrize(("total", "joined"), [(7, 7), (20, 20), (25, 20), (100, 20), (119, 20)])
+def test_twenty_copies_join_in_a_run_or_one_after_each_rollout(total: int, joined: int) -> None:
+    learner = PPO(battle("self"))
+    when = []
+    for rollouts in range(1, total + 1):
+        before = len(learner.opponents.league.sources)
+        learner.opponents.after_rollout(rollouts, total, learner.policy)
+        if len(learner.opponents.league.sources) > before:
+            when.append(rollouts)
+    assert len(when) == joined
+    assert {after - before for before, after in pairwise(when)} <= {total // joined, -(-total // joined)}
 
 
 def test_the_next_level_of_a_robot_joins_when_the_learner_beats_the_present_one() -> None:

@@ -55,6 +55,20 @@ def test_an_interrupted_run_ends_as_one_in_one_sitting(
     assert list((tmp_path / "parts" / "tensorboard").iterdir())
 
 
+def test_weights_are_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(file: Any, **_: Any) -> None:
+        file.write(b"half")
+        raise OSError(28, "No space left on device")
+
+    (tmp_path / "policy.npz").write_bytes(b"those of before")
+    monkeypatch.setattr(np, "savez", fail)
+    with pytest.raises(OSError, match="No space left on device"):
+        run._save_layers(tmp_path / "policy.npz", torch.nn.Sequential(torch.nn.Linear(2, 1)))
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [
+        ("policy.npz", b"those of before")
+    ]
+
+
 def train(*arguments: object) -> Any:
     given = [
         part for name in ("map", "time_limit") for part in ("--option", f"{name}={json.dumps(OPTIONS[name])}")

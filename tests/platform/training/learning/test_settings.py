@@ -7,6 +7,7 @@ import pytest
 from tests.platform.training.learning.common import small
 
 from wildscav.errors import UserError
+from wildscav_engine.envs import describe
 from wildscav_engine.envs.batched import multi_agent_config
 from wildscav_engine.tracks import TRACKS
 from wildscav_training.learning.environment import make_env
@@ -48,6 +49,41 @@ def test_on_a_ladder_one_policy_learns_among_the_robots_of_the_level(
 ) -> None:
     _, options = preset_settings("tuned", track, {"preset": f"ladder-{track}", "level": "expert"})
     assert multi_agent_config(track, options).seats == ("submission", *others)
+
+
+@pytest.mark.parametrize("preset", ["tuned", "paper"])
+@pytest.mark.parametrize(
+    ("given", "seats", "teams"),
+    [
+        ({}, 0, (0, 0, 0, 0)),
+        ({"agents": 2}, 0, (0, 0)),
+        ({"teammates": ["gatherer"]}, 0, (0, 0, 0, 0, 0)),
+        ({"agents": 2, "opponents": ["gatherer"] * 2}, 0, (0, 0, 1, 2)),
+        ({}, 3, (0, 0, 0, 0, 1, 2, 3)),
+        ({"agents": 2, "teams": [0, 1]}, 2, (0, 1, 2, 3)),
+        ({"agents": 2, "teams": None}, 2, None),
+    ],
+)
+def test_gatherers_form_a_team_of_any_size_against_any_company(
+    preset: str, given: dict[str, Any], seats: int, teams: tuple[int, ...] | None
+) -> None:
+    hyperparameters, options = preset_settings(preset, "gathering", {"map": 101, **given})
+    assert describe(multi_agent_config("gathering", options)), "what a submission has, without opposition"
+    opposition = Opposition(("self", "gatherer"), seats) if seats else None
+    settings = TrainingSettings("gathering", options, 1, 0, hyperparameters, opposition=opposition)
+    assert make_env(settings, 1, None).config.teams == teams
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"agents": "many"}, "agents: "),
+        ({"preset": ["a"]}, r"preset is \['a'\]; the presets are paper-navigation"),
+    ],
+)
+def test_a_wrong_option_is_said(options: dict[str, Any], says: str) -> None:
+    with pytest.raises(UserError, match=f"^the options of the environment: {says}"):
+        preset_settings("tuned", "gathering", options)
 
 
 @pytest.mark.parametrize("track", ["navigation", "gathering", "capture"])

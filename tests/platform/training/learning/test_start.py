@@ -45,11 +45,14 @@ def test_what_is_no_file_of_weights_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_policy_starts_from_the_weights_and_the_value_learns_first(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("rollouts", "of_value"), [(40, 10), (7, 1)])
+def test_the_policy_starts_from_the_weights_and_the_value_learns_first(
+    tmp_path: Path, rollouts: int, of_value: int
+) -> None:
     pytest.importorskip("torch")
-    from wildscav_training.learning.ppo import PPO, VALUE_FIRST
+    from wildscav_training.learning.ppo import PPO
 
-    settings = small(steps=64 * (VALUE_FIRST + 1))
+    settings = small(steps=64 * rollouts)
     inputs = PPO(settings).policy[0].in_features
     outputs = sum(PPO(settings).choices.sizes)
     start = read_start(write_layers(tmp_path / "policy.npz", inputs, 8, outputs, value=0.25))
@@ -60,7 +63,7 @@ def test_the_policy_starts_from_the_weights_and_the_value_learns_first(tmp_path:
 
     first_value = weights(learner.value)
     assert weights(learner.policy) == [0.25] * (8 * inputs)
-    for _ in range(VALUE_FIRST):
+    for _ in range(of_value):
         learner.iterate()
     assert weights(learner.policy) == [0.25] * (8 * inputs)
     assert weights(learner.value) != first_value

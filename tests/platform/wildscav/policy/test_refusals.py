@@ -13,7 +13,7 @@ from wildscav.policy import Environment, Policy
 from wildscav.policy.action_choice import Chooser
 from wildscav.policy.action_modes import action_mode
 from wildscav.policy.errors import PolicyError
-from wildscav.policy.networks import Choose, Layers, OnnxNetwork
+from wildscav.policy.networks import Choose, Layers, OnnxNetwork, read_layers
 
 CHOICES = {
     "mode": "multidiscrete",
@@ -215,6 +215,20 @@ def test_a_policy_chooses_at_random_unless_its_file_says_otherwise(tmp_path: Pat
 def test_a_wrong_value_in_a_policy_is_named(changes: dict[str, Any], message: str, tmp_path: Path) -> None:
     with pytest.raises(PolicyError, match=message):
         Policy(submission(tmp_path, **changes))
+
+
+def test_a_file_without_layers_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "network.npz"
+    number = {"weight_0": np.float32(1.0), "bias_0": np.ones(1, np.float32)}
+    for write, message in (
+        (lambda file: None, "No data left in file"),
+        (lambda file: np.save(file, np.ones(3)), "'numpy.ndarray' object"),
+        (lambda file: np.savez(file, **number), "a weight is a single number"),
+    ):
+        with path.open("wb") as file:
+            write(file)
+        with pytest.raises(PolicyError, match=rf"npz holds no layers: {message}.*; its arrays must be"):
+            read_layers(path)
 
 
 def test_a_file_that_is_no_onnx_network_is_refused(tmp_path: Path) -> None:
