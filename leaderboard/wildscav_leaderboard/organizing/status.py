@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
+from wildscav.errors import UserError
 from wildscav_leaderboard.boards.progress import missing_entrants
 from wildscav_leaderboard.conductor.attempts import running
 from wildscav_leaderboard.conductor.editions import edition_changes, why_to_restart
@@ -65,6 +66,7 @@ class StatusView(BaseModel):
 
 def status(session: Session, season: Season, now: datetime) -> StatusView:
     """Return how a season is doing."""
+    written, wrong = _read_again(season)
     nodes = season_state.read_state(session, season_state.NODES) or {}
     paused = season_state.read_state(session, season_state.PAUSED)
     failed = season_state.read_state(session, season_state.FAILED)
@@ -80,15 +82,26 @@ def status(session: Session, season: Season, now: datetime) -> StatusView:
         phase=_phase(session, season, now),
         frozen=season_state.is_frozen(session),
         paused=None if paused is None else str(paused["reason"]),
-        failed=why_to_restart(session, season) if failed is None else str(failed["reason"]),
+        failed=why_to_restart(session, written) if failed is None else str(failed["reason"]),
         teams=count_teams(session),
         submissions=count_by_state(session, Submission),
         matches=count_by_state(session, Match),
         missing=missing_entrants(session, in_force(session, season)),
-        changes=[one.text for one in edition_changes(session, season)],
+        changes=[*wrong, *(one.text for one in edition_changes(session, written))],
         attempts=[AttemptView.model_validate(one) for one in running(session)],
         faults=[AttemptView.model_validate(one) for one in session.scalars(latest)],
     )
+
+
+def _read_again(season: Season) -> tuple[Season, list[str]]:
+    """Return a season as its files are now, since a server keeps the settings of its start.
+
+    If they are wrong, it is as it was, with what is wrong.
+    """
+    try:
+        return Season.open(season.folder), []
+    except UserError as error:
+        return season, [str(error)]
 
 
 def _phase(session: Session, season: Season, now: datetime) -> str:
