@@ -47,8 +47,8 @@ AGENTS = {  # the last is no agent to compare levels by
 REFERENCES = {"gathering": "scavenger", "battle": "commando"}  # the score 1, where 0 is that of ``random``
 STEPS = 1_000_000
 MARKS = "x^vDsPo*<>phdX"  # of agents in the picture
-LIDAR = {"lidar": {"channels": 2, "azimuths": 32, "range": 8}}  # walls nearby
-GATHERER = {"to_supplies": {}, "to_hot_spot": {}, **LIDAR}
+WALLS = {"channels": 2, "azimuths": 32, "range": 8}
+GATHERER: dict[str, Any] = {"to_supplies": {}, "to_hot_spot": {}, "lidar": WALLS}
 
 
 class Recipe(NamedTuple):
@@ -229,31 +229,38 @@ def draw(picture: Path) -> None:
     from matplotlib import pyplot as plt
 
     figure, panels = plt.subplots(1, len(AGENTS), figsize=(12.0, 4.4), layout="constrained", sharey=True)
-    names = list(dict.fromkeys(itertools.chain(*AGENTS.values())))
     for axes, track in zip(panels, AGENTS, strict=True):
-        results, score = results_of(track), SUCCESS
-        if track in REFERENCES:
-            results, score = normalized(results, track), "supplies"
-        for agent in AGENTS[track]:
-            places = [place for place, level in enumerate(LEVELS) if (level, agent) in results]
-            if agent == "random" or not places:
-                continue
-            found = [results[list(LEVELS)[place], agent][score] for place in places]
-            middles = [statistics.fmean(scores) for scores in found]
-            bounds = [bounds_of(scores, score) for scores in found]
-            style = {"marker": MARKS[names.index(agent)], "color": plt.get_cmap("tab20")(names.index(agent))}
-            axes.plot(places, [100.0 * each for each in middles], label=agent, **style)
-            low, high = ([100.0 * bound[side] for bound in bounds] for side in (0, 1))
-            axes.fill_between(places, low, high, alpha=0.12, color=style["color"], linewidth=0)
-        axes.set_xticks(range(len(LEVELS)), LEVELS, rotation=45)
-        of_easy = f"supplies, % of those of {REFERENCES[track]} on easy" if track in REFERENCES else ""
-        axes.set_title(of_easy or "targets reached, %", fontsize=10)
-        axes.grid(alpha=0.3)
+        draw_track(axes, track)
     handles = {
         text: line for axes in panels for line, text in zip(*axes.get_legend_handles_labels(), strict=True)
     }
     figure.legend(handles.values(), handles, loc="outside right center", fontsize=8, frameon=False)
     figure.savefig(picture, dpi=110)
+
+
+def draw_track(axes: Any, track: str) -> None:
+    """Draw the panel of a track."""
+    from matplotlib import colormaps
+
+    results, score, title = results_of(track), SUCCESS, "targets reached, %"
+    if track in REFERENCES:
+        results, score = normalized(results, track), "supplies"
+        title = f"supplies, % of those of {REFERENCES[track]} on easy"
+    names = list(dict.fromkeys(itertools.chain(*AGENTS.values())))
+    for agent in AGENTS[track]:
+        places = [place for place, level in enumerate(LEVELS) if (level, agent) in results]
+        if agent == "random" or not places:
+            continue
+        found = [results[list(LEVELS)[place], agent][score] for place in places]
+        color, marker = colormaps["tab20"](names.index(agent)), MARKS[names.index(agent)]
+        middles = [100.0 * statistics.fmean(scores) for scores in found]
+        axes.plot(places, middles, label=agent, color=color, marker=marker)
+        bounds = [bounds_of(scores, score) for scores in found]
+        low, high = ([100.0 * bound[side] for bound in bounds] for side in (0, 1))
+        axes.fill_between(places, low, high, alpha=0.12, color=color, linewidth=0)
+    axes.set_xticks(range(len(LEVELS)), LEVELS, rotation=45)
+    axes.set_title(title, fontsize=10)
+    axes.grid(alpha=0.3)
 
 
 def bounds_of(scores: Sequence[float], score: str) -> tuple[float, float]:

@@ -18,6 +18,8 @@ import typer
 from benchmarks.strength.supplies_and_fights import FIRST_SEED, MAPS, ROBOT, matches_of, play
 from numpy.typing import NDArray
 
+from wildscav_training.trials import student
+
 RESULTS = Path(__file__).parents[1] / "results" / "battles"
 AGENTS = {
     "commando": "commando",
@@ -27,7 +29,7 @@ AGENTS = {
     "fighter": f"{ROBOT}fighter",
     "gunner": "benchmarks/strength/gunner",
 }
-STUDENT = {5: 2.776, 10: 2.262, 20: 2.093, 40: 2.023, 80: 1.990}  # standard errors, by matches
+STUDENT = {matches: student(matches - 1) for matches in (5, 10, 20, 40, 80)}  # standard errors
 OFFICIAL, AIM = 20, 0.9  # matches of an evaluation, and the power that they should have ...
 GAP = 0.25  # ... for a pair of which one has this share less than the other
 DRAWS = 4000

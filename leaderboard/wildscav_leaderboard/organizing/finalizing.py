@@ -36,7 +36,7 @@ from wildscav_leaderboard.matches.models import (
     Match,
     MatchSeat,
 )
-from wildscav_leaderboard.matches.service import WITHDRAWN, add_suite_matches
+from wildscav_leaderboard.matches.service import WITHDRAWN, add_suite_matches, are_in_force
 from wildscav_leaderboard.organizing.arguments import LONGEST_REASON
 from wildscav_leaderboard.organizing.checking import wrong_secrets
 from wildscav_leaderboard.seasons import state as season_state
@@ -263,7 +263,7 @@ def _fields_of(session: Session, season: Season, best: int) -> dict[str, list[in
 
 def _decided_by(session: Session, season: Season, field: Mapping[str, list[int]]) -> dict[str, list[int]]:
     """Return the field of each track that matches of the second secret decide."""
-    finished = Match.decides, Match.state == FINISHED, _is_in_force(season)
+    finished = Match.decides, Match.state == FINISHED, are_in_force(session)
     played = set(session.scalars(select(Match.track).where(*finished).distinct()))
     modes = {track: settings.mode for track, settings in season.settings.tracks.items()}
     return {track: one for track, one in field.items() if modes[track] == "suite" or track in played}
@@ -285,7 +285,7 @@ def _deciding(session: Session, season: Season, field: dict[str, list[int]]) -> 
             "(`wildscav season status`), and have them played again (`wildscav season rerun`)"
         )
     rounds = select(func.count()).where(
-        Match.decides, Match.kind == LADDER, Match.state != VOID, _is_in_force(season)
+        Match.decides, Match.kind == LADDER, Match.state != VOID, are_in_force(session)
     )
     planned = _count(session, own) + _count(session, rounds)
     played = sum(_count(session, one.where(Match.state == FINISHED)) for one in (own, rounds))
@@ -300,11 +300,6 @@ def _finals_of(
     for track, chosen in field.items():
         on_board = [one.id for one, _ in boards.entered(session, track) if one.id in chosen]
         yield and_(Match.edition_id == season.numbers.get(track), Match.group_id.in_(on_board))
-
-
-def _is_in_force(season: Season) -> ColumnElement[bool]:
-    """Select the matches of the editions in force, and none from before an end that was taken back."""
-    return Match.edition_id.in_(season.numbers.values())
 
 
 def _decide(session: Session, season: Season, field: dict[str, list[int]], actor: str, now: datetime) -> None:
