@@ -5,7 +5,6 @@ import json
 import math
 import re
 import runpy
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -181,7 +180,9 @@ def test_the_curriculum_of_the_page_begins_with_its_first_stage() -> None:
     assert names["infos"]["stage"].tolist() == [0] * 16
 
 
-def test_the_example_of_level_replay_plays_the_levels_from_which_there_is_most_to_learn() -> None:
+def test_the_example_of_level_replay_plays_the_levels_from_which_there_is_most_to_learn(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     pytest.importorskip("stable_baselines3")
     example = EXAMPLES / "level_replay.py"
     names = runpy.run_path(str(example))
@@ -191,11 +192,10 @@ def test_the_example_of_level_replay_plays_the_levels_from_which_there_is_most_t
     assert levels.scores[[0, 2]].tolist() == pytest.approx([0.1, 1.5])
     chances = levels.chances()  # 0.9 by rank, of which the second gets (1 / 2) ** 10; 0.1 by age
     assert chances.tolist() == pytest.approx([0.9 / 1025 + 0.05, 0.9 * 1024 / 1025 + 0.05])
-    done = subprocess.run(
-        [sys.executable, str(example), "--steps", "8192", "--levels", "8"], capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
-    assert re.match(r"[4-8] levels played; \d+% of the last episodes succeeded\nlevel ", done.stdout)
+    monkeypatch.setattr(sys, "argv", [str(example), "--steps", "8192", "--levels", "8"])
+    runpy.run_path(str(example), run_name="__main__")
+    said = capsys.readouterr().out
+    assert re.match(r"[4-8] levels played; \d+% of the last episodes succeeded\nlevel ", said)
 
 
 def test_the_notebook_runs_as_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,9 +35,10 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
     (wheel,) = folder.glob("*.whl")
     environment = folder / "environment"
-    venv.create(environment, with_pip=True)
+    venv.create(environment)
     python = environment / "bin" / "python"
-    subprocess.run([python, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index", wheel], check=True)
+    install = ("install", "--quiet", "--no-compile", "--no-deps", "--no-index", wheel)
+    subprocess.run([sys.executable, "-m", "pip", "--python", python, *install], check=True)
     # What it depends on is read from the environment of the tests, so that no network is needed; the project
     # itself is not found there, since a path that is added so does not have its own .pth files read.
     code = "import sysconfig; print(sysconfig.get_path('purelib'))"

@@ -21,6 +21,7 @@ from wildscav_evaluator.matches.workers import Workers
 from wildscav_evaluator.submissions.submission import load_submission
 from wildscav_evaluator.suites.suite import suite
 
+pytestmark = pytest.mark.long
 SUBMISSIONS = Path(__file__).parents[2] / "submissions"
 NAMES = ("random", "homing", "hunter")
 STAYERS = ("homing", "hunter", "survivor")  # in the safe zone

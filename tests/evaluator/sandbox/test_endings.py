@@ -29,7 +29,7 @@ from wildscav_evaluator.sandbox.linux import bubblewrap, cgroup
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.submissions.submission import Submission
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 
 def run(sandbox: Sandbox, submission: Submission, folder: Path, lasts: float = 60.0) -> tuple[Ending, str]:
@@ -104,8 +104,6 @@ def test_an_agent_that_kills_itself_did_not_die_of_memory(
 @pytest.mark.parametrize(
     ("code", "exit_code", "killed_by"),
     [
-        ("import os\nos._exit(0)", 0, ""),
-        ("import os\nos._exit(9)", 9, ""),
         ("import ctypes\nctypes.string_at(0)", None, "SIGSEGV"),
         ("raise ValueError('no reason')", 3, ""),
     ],

@@ -86,7 +86,7 @@ def test_it_plays_to_the_end_and_reaches_the_target(
     done = wildscav("play", built, "--sandbox", sandbox, "--logs", tmp_path / "logs")
 
     assert done.returncode == 0, done.stderr
-    (row,) = (line for line in done.stdout.splitlines() if "homing-js" in line)
+    (row,) = (line for line in done.stdout.splitlines() if line.split()[1:2] == ["homing-js"])
     assert "100%" in row
     assert "finished" in row
 
@@ -101,13 +101,12 @@ def test_it_passes_every_check(wildscav: Command, built: Path, tmp_path: Path) -
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("compiled")
-def test_it_reaches_about_as_many_targets_as_homing(wildscav: Command, built: Path, tmp_path: Path) -> None:
+def test_it_reaches_nearly_all_targets_as_homing_does(wildscav: Command, built: Path, tmp_path: Path) -> None:
     options = ("--track=navigation", "--suite=quick", "--seed=1", "--replays=none", "--sandbox=process")
 
-    done = wildscav("evaluate", built, "homing", *options, "--out", tmp_path / "out")
+    done = wildscav("evaluate", built, *options, "--out", tmp_path / "out")
 
     assert done.returncode == 0, done.stderr
     results = json.loads((tmp_path / "out" / "results.json").read_text("utf-8"))
-    reached = {row["submission"]: row["summary"]["success"]["mean"] for row in results["evaluations"]}
-    assert reached["homing-js"] >= 0.8, reached
-    assert reached["homing-js"] >= reached["homing"] - 0.2, reached  # one match of five
+    (row,) = results["evaluations"]
+    assert row["summary"]["success"]["mean"] >= 0.8  # all but one of five

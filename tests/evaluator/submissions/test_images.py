@@ -25,10 +25,10 @@ from wildscav_evaluator.submissions.images import (
 from wildscav_evaluator.submissions.submission import Submission, load_submission
 from wildscav_server.hosting.manifest import SubmissionError
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 
-@pytest.fixture(autouse=True, params=ENGINES)
+@pytest.fixture(scope="module", autouse=True, params=ENGINES)
 def _engine(request: pytest.FixtureRequest) -> Iterator[None]:
     with engine_named(request.param, request):
         need("oci")

@@ -312,7 +312,7 @@ class StormySeason(Storm):
 
 pytestmark = pytest.mark.slow
 STORMS = settings(
-    max_examples=15, stateful_step_count=60, deadline=None, suppress_health_check=list(HealthCheck)
+    max_examples=10, stateful_step_count=60, deadline=None, suppress_health_check=list(HealthCheck)
 )
 
 

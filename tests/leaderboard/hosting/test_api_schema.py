@@ -10,7 +10,7 @@ from tests.leaderboard.hosting.clients import Site, serving_filled
 
 schemathesis = pytest.importorskip("schemathesis", reason="needs schemathesis: pip install schemathesis")
 checks = pytest.importorskip("schemathesis.specs.openapi.checks")
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 EXAMPLES = 8  # of each operation
 CHECKS = [
     pytest.importorskip("schemathesis.checks").not_a_server_error,
@@ -26,17 +26,11 @@ def site(new_filled_season: Callable[..., FilledSeason]) -> Iterator[Site]:
         yield site
 
 
-def without_token(headers: Any) -> dict[str, str]:
-    return {name: value for name, value in (headers or {}).items() if name.lower() != "authorization"}
-
-
-@pytest.mark.parametrize("asker", ["visitor", "other", "owner", "organizer"])
-def test_answers_are_as_described_whatever_is_asked(site: Site, asker: str) -> None:
-    """Every operation is sent valid requests and others."""
+@pytest.fixture(scope="module")
+def cases(site: Site) -> list[tuple[Any, dict[str, str]]]:
+    """Valid requests of every operation and others, each with its headers but the token."""
     schema = schemathesis.openapi.from_url(f"{site.client.base_url}/api/v1/openapi.json", timeout=60)
-    person = site.filled.people.get(asker)
-    headers = {} if person is None else {"Authorization": f"Bearer {person.token}"}
-    wrong: list[str] = []
+    drawn: list[tuple[Any, dict[str, str]]] = []
     for found in schema.get_all_operations():
         operation = found.ok()
         if "/tokens/current" in operation.path:
@@ -51,15 +45,29 @@ def test_answers_are_as_described_whatever_is_asked(site: Site, asker: str) -> N
             suppress_health_check=list(HealthCheck),
         )
         @given(case=operation.as_strategy())
-        def send(case: Any) -> None:
-            case.headers = {**without_token(case.headers), **headers}
-            response = case.call()
-            try:
-                case.validate_response(response, checks=CHECKS)
-            except (AssertionError, schemathesis.errors.SchemathesisError, BaseExceptionGroup) as error:
-                wrong.append(
-                    f"{case.method} {case.formatted_path} as {asker}: {response.status_code} {error}"
-                )
+        def draw(case: Any) -> None:
+            drawn.append((case, without_token(case.headers)))
 
-        send()
+        draw()
+    return drawn
+
+
+def without_token(headers: Any) -> dict[str, str]:
+    return {name: value for name, value in (headers or {}).items() if name.lower() != "authorization"}
+
+
+@pytest.mark.parametrize("asker", ["visitor", "other", "owner", "organizer"])
+def test_answers_are_as_described_whatever_is_asked(
+    site: Site, cases: list[tuple[Any, dict[str, str]]], asker: str
+) -> None:
+    person = site.filled.people.get(asker)
+    token = {} if person is None else {"Authorization": f"Bearer {person.token}"}
+    wrong: list[str] = []
+    for case, headers in cases:
+        case.headers = {**headers, **token}
+        response = case.call()
+        try:
+            case.validate_response(response, checks=CHECKS)
+        except (AssertionError, schemathesis.errors.SchemathesisError, BaseExceptionGroup) as error:
+            wrong.append(f"{case.method} {case.formatted_path} as {asker}: {response.status_code} {error}")
     assert not wrong, "\n".join(wrong)

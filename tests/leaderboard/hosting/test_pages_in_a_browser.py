@@ -12,7 +12,7 @@ from tests.leaderboard.hosting.clients import Site, copied_database, serving_fil
 
 from wildscav_leaderboard.submissions.packing import pack
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 PAGES = {  # by who looks at them
     "visitor": (
         *("/", "/boards/navigation", "/boards/battle/head-to-head", "/teams/newts", "/matches"),
@@ -86,7 +86,7 @@ def test_nothing_keeps_people_out_of_any_page_in_light_or_in_dark_colours(arena:
             page.goto(address_of(arena, path))
             for details in page.locator("details").all():
                 details.evaluate("one => { one.open = true; }")
-            results = {"light": axe.run(page)}
+            results = {"light": axe.run(page, options={"resultTypes": ["violations"]})}
             page.emulate_media(color_scheme="dark")  # in which nothing is different but the colours
             results["dark"] = axe.run(page, options={"runOnly": OF_COLOURS, "resultTypes": ["violations"]})
             for scheme, seen in results.items():

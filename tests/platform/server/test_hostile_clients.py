@@ -36,7 +36,7 @@ from wildscav_server.hosting.precompile import precompile
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 
-ATTACKS_MADE = 1_000  # in all; another number by WILDSCAV_ATTACKS
+ATTACKS_MADE = 600  # in all; another number by WILDSCAV_ATTACKS
 AT_ONCE = 100
 CAMPAIGN = 2_500  # attacks that hypothesis draws at a time: it remembers each of them, 10 kB
 GROWTH = 40e6  # bytes that may come on top: what the allocator and the tests keep

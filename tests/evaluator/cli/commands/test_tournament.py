@@ -149,7 +149,7 @@ def test_a_tournament_that_was_killed_goes_on_where_it_was(
 ) -> None:
     whole, _ = played
     out = tmp_path / "killed"
-    for least in (0, 3, 7):
+    for least in (0, 5):
         Sitting(out, *arguments(entrants, suite), verb="tournament").kill_at(least)
         check_whole(out)
     before = entered(out)

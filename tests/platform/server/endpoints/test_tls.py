@@ -141,7 +141,7 @@ def test_organizers_and_seats_of_a_shared_server_speak_tls(tmp_path: Path) -> No
     own = authority.sign("server")
 
     async def play() -> None:
-        server = SharedServer(2, certificate=Certificate(str(own.cert), str(own.key)))
+        server = SharedServer(1, certificate=Certificate(str(own.cert), str(own.key)))
         (address,) = await server.start(["127.0.0.1:0"])
         secret = grpc.ssl_channel_credentials(authority.path.read_bytes())
         async with grpc.aio.secure_channel(address, secret) as channel:

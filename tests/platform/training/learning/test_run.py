@@ -151,7 +151,8 @@ LONGEST = 180.0  # s of one processor
 def test_the_first_command_of_the_page_learns_to_navigate_in_three_minutes_of_one_core(
     tmp_path: Path,
 ) -> None:
-    done = CliRunner().invoke(app, ["train", "--level", "easy", "--out", str(tmp_path / "easy"), "--json"])
+    options = ("--out", str(tmp_path / "easy"), "--episodes", "40", "--json")
+    done = CliRunner().invoke(app, ["train", "--level", "easy", *options])
 
     assert done.exit_code == 0, (done.output, done.exception)
     document = json.loads(done.stdout)

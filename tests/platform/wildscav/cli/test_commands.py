@@ -191,7 +191,7 @@ def test_a_plug_in_that_cannot_be_imported_breaks_nothing(
 @pytest.mark.slow
 def test_serve_stops_at_ctrl_c() -> None:
     until = r"^listening on (.*)\n"
-    with running("serve", "--listen", "127.0.0.1:0", until=until) as (address, process):
+    with running("serve", "--listen", "127.0.0.1:0", "--workers", "1", until=until) as (address, process):
         assert address.startswith("127.0.0.1:")
         process.send_signal(signal.SIGINT)
         assert process.wait(120) == 0
