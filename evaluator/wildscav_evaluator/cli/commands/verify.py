@@ -126,6 +126,9 @@ def verify(
 
     With --json, of records: `records`: `path`, `holds`, `message` of each.
 
+    With --json, of a record with --agent: `record`, and `seats`: `seat`, `name`, `status` and `late_steps` of
+    this replay, `steps`, `differing` (how many), `first` (the first that differs), `difference` of each.
+
     With --json, of a folder: `folder`, `results` as the records give them, `disagreements`, and `unchecked`
     (what cannot be proven yet), a line each.
 
@@ -163,7 +166,8 @@ def verify(
     elif kind == "an evaluation":
         _rescore(Path(places[0]), key, commitment, executor_of(executor, address, workers), as_json=as_json)
     elif agent is not None:
-        _run_again(resolve_record(Path(places[0]), season), agent, seat or [], logs, sandbox)
+        record = resolve_record(Path(places[0]), season)
+        _run_again(record, agent, seat or [], logs, sandbox, as_json=as_json)
     else:
         from wildscav_evaluator.cli.sessions.verify_records import verify_records
 
@@ -234,7 +238,9 @@ def _rescore(
         run_rescore(out, machines, public, as_json=as_json)
 
 
-def _run_again(record: Path, agent: str, seats: list[int], logs: Path | None, sandbox: str | None) -> None:
+def _run_again(
+    record: Path, agent: str, seats: list[int], logs: Path | None, sandbox: str | None, *, as_json: bool
+) -> None:
     """Run a submission again in a recorded match."""
     from wildscav_evaluator.cli.options.selection import load_submissions
     from wildscav_evaluator.cli.sessions.run_again import run_again
@@ -247,4 +253,4 @@ def _run_again(record: Path, agent: str, seats: list[int], logs: Path | None, sa
             f"submission {loaded[0].name!r} asks a language model, and verify offers none", exit_code=2
         )
     runs_in, (submission,) = chosen_sandbox(sandbox, loaded)
-    run_again(record, submission, seats=seats, logs=logs, sandbox=runs_in)
+    run_again(record, submission, seats=seats, logs=logs, sandbox=runs_in, as_json=as_json)

@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.text import Text
 
 from wildscav.errors import INTERRUPTED, UserError
-from wildscav.terminal.console import console, counted, printable
+from wildscav.terminal.console import console, counted, print_json, printable
 from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_engine.simulation.match import MatchSetupError
@@ -36,7 +36,15 @@ CAUTION = (
 )
 
 
-def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs: Path, sandbox: str) -> None:
+def run_again(
+    path: Path,
+    submission: Submission,
+    *,
+    seats: Sequence[int],
+    logs: Path,
+    sandbox: str,
+    as_json: bool = False,
+) -> None:
     """Run a submission again in a recorded match, and show how far it acts as recorded.
 
     Without ``seats``, those are compared that the record gives to the submission. UserError if the record is
@@ -61,7 +69,10 @@ def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs:
         raise TypeError("the match that was played is not the recorded one")
     if match.diverged_at is not None:
         raise UserError(f"{path} is not valid: the state differs in step {match.diverged_at}")
-    raise_errors(list(_report(match.agreements.values(), played, record)))
+    agreements = match.agreements.values()
+    if as_json:
+        print_json({"record": str(path), "seats": [_document(one, played, record) for one in agreements]})
+    raise_errors(list(_report(agreements, played, record)))
 
 
 def _verified_record(path: Path) -> Record:
@@ -188,6 +199,21 @@ def _report(agreements: Iterable[Agreement], played: PlayedMatch, record: Record
     if differing:
         _say(CAUTION)
     yield from differing
+
+
+def _document(one: Agreement, played: PlayedMatch, record: Record) -> dict[str, object]:
+    """Return how far a seat acted as recorded, as ``--json`` prints it."""
+    report = played.seats[one.seat]
+    return {
+        "seat": one.seat,
+        "name": record.names[one.seat],
+        "status": report.status.value,
+        "late_steps": report.late_steps,
+        "steps": one.steps,
+        "differing": one.differing,
+        "first": one.first,
+        "difference": one.difference,
+    }
 
 
 def _say(text: str) -> None:

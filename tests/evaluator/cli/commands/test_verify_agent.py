@@ -1,5 +1,6 @@
 """`wildscav verify --agent`: only an agent that acts as recorded is borne out by its record."""
 
+import json
 import shutil
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.end_to_end.pages import json_documents, names
 from tests.evaluator.conftest import submission_in
 from tests.evaluator.sample_agents import Command, Submit
 from tests.evaluator.small_matches import SMALL, play, seated
@@ -144,17 +146,23 @@ def test_an_agent_that_acts_as_recorded_is_borne_out_beside_another_whose_seat_p
 
 
 def test_another_agent_is_found_out_at_its_first_other_step(
-    match: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    match: Recorded, wildscav: Command, tmp_path: Path
 ) -> None:
-    with pytest.raises(UserError) as refused:
-        again(match.path, match.turncoat, tmp_path, [0])
+    options = ("--seat", 0, "--logs", tmp_path, "--sandbox", "process", "--json")
+    done = wildscav("verify", match.path, "--agent", match.turncoat.folder, *options)
 
-    assert refused.value.exit_code == 1
-    assert str(refused.value) == (
-        "seat 0 (circler) acts differently than recorded in 13 of 20 steps, first in step 8: walk_speed 6 "
-        "recorded, 2.5 now"
+    difference = "walk_speed 6 recorded, 2.5 now"
+    assert done.returncode == 1
+    assert (
+        "wildscav: seat 0 (circler) acts differently than recorded in 13 of 20 steps, first in step 8: "
+        f"{difference}\n" in done.stderr
     )
-    assert "may differ although its code is the same" in capsys.readouterr().out
+    assert "may differ although its code is the same" in " ".join(done.stderr.split())
+    document = json.loads(done.stdout)
+    counts = {"late_steps": 0, "steps": 20, "differing": 13, "first": 8}
+    seat = {"seat": 0, "name": "circler", "status": "finished", "difference": difference, **counts}
+    assert document == {"record": str(match.path), "seats": [seat]}
+    assert names(document) == json_documents()["verify of a record with --agent"]
 
 
 def test_a_seat_must_be_one_of_the_submission(match: Recorded, tmp_path: Path) -> None:
