@@ -44,7 +44,7 @@ class LedgerWriter:
         self._number = 0
         self.head = ""  # SHA-256 of the last line, which identifies the whole ledger
         self.played: dict[str, MatchEnded] = {}  # the matches that have a result
-        self._closed: Closed | None = None
+        self.closed: Closed | None = None  # the last entry, if it has the results
         ledger = self._read_existing(identity)
         self._resumed = ledger is None
         if ledger is None:
@@ -53,7 +53,7 @@ class LedgerWriter:
             self._append(Opened(identity=identity))
         else:
             self._number, self.head = len(ledger.entries), ledger.head
-            self.played, self._closed = ledger.played, ledger.closed
+            self.played, self.closed = ledger.played, ledger.closed
 
     def _read_existing(self, identity: Identity) -> Ledger | None:
         """Return the existing ledger, truncated to its last complete line; None if there is none."""
@@ -115,15 +115,15 @@ class LedgerWriter:
             for one in results.evaluations
         )
         closed = Closed(results=sha256_of(path), scores=scores)
-        if closed != self._closed:
+        if closed != self.closed:
             self._append(closed)
-            self._closed = closed
+            self.closed = closed
 
     def _append(self, fact: Fact) -> None:
         if not self._resumed:
             self._resumed = True
             self._append(Resumed())
-        self._closed = None
+        self.closed = None
         at = datetime.now(UTC).isoformat(timespec="milliseconds")
         entry = Entry(number=self._number, previous=self.head or None, at=at, fact=fact, signature=None)
         if self._key is not None:

@@ -36,7 +36,7 @@ from wildscav_evaluator.output.layout import (
 )
 from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.numbered_folders import OUT
-from wildscav_evaluator.output.results import Results, write_results
+from wildscav_evaluator.output.results import Results, read_results, write_results
 from wildscav_evaluator.plans.plan import Plan
 from wildscav_evaluator.submissions.submission import copy_unchanged
 from wildscav_server.leftovers import temporary_folder
@@ -60,12 +60,22 @@ def playing(
         ledger = LedgerWriter(plan.out, plan.identity(), plan.key)
         try:
             done = _play(plan, jobs, lock, ledger, options, executor or LocalExecutor(plan.jobs))
+            if ledger.closed is not None:  # nothing was played, so the results stay those of that command
+                plan = replace(plan, jobs=_jobs_before(plan))
             results = plan.collect(done)
         except KeyboardInterrupt:
             raise UserError(f"interrupted: {_saved(plan, ledger, jobs)}", INTERRUPTED) from None
         except ExecutorError as error:
             raise ExecutorError(f"{error}: {_saved(plan, ledger, jobs)}") from error
         yield results, ledger
+
+
+def _jobs_before(plan: Plan) -> int:
+    """Return how many matches the results say were played at once; the plan's if they cannot be read."""
+    try:
+        return read_results(plan.out / RESULTS_FILE).timings.jobs
+    except UserError:
+        return plan.jobs
 
 
 def _play(
