@@ -29,6 +29,8 @@ from wildscav_evaluator.output.identity import Identity
 from wildscav_evaluator.output.layout import LEDGER_FILE, RECORDS
 from wildscav_evaluator.output.results import MatchRow, Results
 
+INSTEAD = "name another --out, or start over with --fresh"
+
 
 class LedgerWriter:
     """Appends to the ledger of an evaluation. Its creator must hold the lock of the output folder.
@@ -61,8 +63,8 @@ class LedgerWriter:
             content = read_lines(self._path)
         except FileNotFoundError:
             return None
-        except LedgerError as error:
-            raise _changed(str(error)) from error
+        except LedgerError as error:  # it is too large, or was changed
+            raise UserError(f"{error}: it cannot be continued; {INSTEAD}", exit_code=2) from error
         whole = content[: content.rfind(b"\n") + 1]
         if len(whole) < len(content):
             os.truncate(self._path, len(whole))
@@ -162,7 +164,4 @@ def _kept(job: Job, ended: MatchEnded) -> JobResult:
 
 
 def _changed(why: str) -> UserError:
-    return UserError(
-        f"{why}: the matches played so far cannot be trusted; name another --out, or start over with --fresh",
-        exit_code=2,
-    )
+    return UserError(f"{why}: the matches played so far cannot be trusted; {INSTEAD}", exit_code=2)
