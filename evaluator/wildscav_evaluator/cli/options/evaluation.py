@@ -248,6 +248,7 @@ class TournamentOptions(PlayOptions):
         typer.Option(
             help="How often each map and match seed is played, each time in other seats. Default: 2.",
             min=1,
+            max=1000,
             show_default=False,
         ),
     ] = None
