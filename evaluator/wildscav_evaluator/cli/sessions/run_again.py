@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+from pydantic import ValidationError
 from rich.text import Text
 
 from wildscav.errors import INTERRUPTED, UserError
@@ -11,6 +12,7 @@ from wildscav.terminal.console import console, counted, print_json, printable
 from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_engine.simulation.match import MatchSetupError
+from wildscav_engine.specs.validation import one_line
 from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, read_ledger
 from wildscav_evaluator.matches.play import (
@@ -157,7 +159,10 @@ def _limits(
     elif all(one.digest != submission.digest for one in entries):
         _warn(f"these are not the files of {submission.name} that were evaluated in {out}")
     kept = ledger.identity.limits.get(record.spec.track)
-    return DEFAULT_LIMITS if kept is None else Limits.model_validate(kept.model_dump(exclude_none=True))
+    try:
+        return Limits.model_validate({} if kept is None else kept.model_dump(exclude_none=True))
+    except ValidationError as error:
+        raise UserError(f"{path}: the ledger's limits are not possible: {one_line(error)}", 2) from error
 
 
 def _warn(text: str) -> None:

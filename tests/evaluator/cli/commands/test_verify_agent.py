@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from tests.end_to_end.pages import json_documents, names
 from tests.evaluator.conftest import submission_in
+from tests.evaluator.results_by_hand import identity_of
 from tests.evaluator.sample_agents import Command, Submit
 from tests.evaluator.small_matches import SMALL, play, seated
 
@@ -21,7 +22,7 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.thinking import CHARGE, SeatThinking, Thinking
 from wildscav_evaluator.cli.sessions.run_again import run_again
 from wildscav_evaluator.ledger.writer import LedgerWriter
-from wildscav_evaluator.output.results import TournamentSettings
+from wildscav_evaluator.output.results import KeptLimits, TournamentSettings
 from wildscav_evaluator.plans.tournament import TournamentPlan
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
@@ -163,6 +164,18 @@ def test_another_agent_is_found_out_at_its_first_other_step(
     seat = {"seat": 0, "name": "circler", "status": "finished", "difference": difference, **counts}
     assert document == {"record": str(match.path), "seats": [seat]}
     assert names(document) == json_documents()["verify of a record with --agent"]
+
+
+def test_a_ledger_with_limits_that_no_sandbox_has_is_refused(match: Recorded, tmp_path: Path) -> None:
+    path = tmp_path / "records" / "battle-000-circler.wsr"
+    path.parent.mkdir()
+    limits = {"battle": KeptLimits(output=1)}
+    LedgerWriter(tmp_path, identity_of("circler", track="battle").model_copy(update={"limits": limits}), None)
+    shutil.copy(match.path, path)
+
+    with pytest.raises(UserError, match="the ledger's limits are not possible: output: ") as refused:
+        again(path, match.circler, tmp_path / "again", [0])
+    assert refused.value.exit_code == 2
 
 
 def test_a_seat_must_be_one_of_the_submission(match: Recorded, tmp_path: Path) -> None:
