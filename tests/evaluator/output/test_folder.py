@@ -194,6 +194,12 @@ def test_whoever_comes_while_an_evaluation_runs_is_told_without_a_wait(
         assert (tmp_path / LOCK).exists()
 
 
+def test_a_disk_that_is_full_from_the_start_is_told_with_its_folder(tmp_path: Path) -> None:
+    (tmp_path / LOCK).symlink_to("/dev/full")
+    with pytest.raises(UserError, match=f"{tmp_path / LOCK} cannot be written: "), locked(tmp_path):
+        pass
+
+
 def identity(*names: str, digest: str = "1") -> Identity:
     return identity_of(*names, track="royale", digest=digest)
 

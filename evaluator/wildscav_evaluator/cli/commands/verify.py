@@ -98,6 +98,7 @@ Workers = Annotated[
 
 
 def verify(
+    context: typer.Context,
     places: Places,
     key: KeyOption = None,
     commitment: Commitment = None,
@@ -147,6 +148,8 @@ def verify(
         "--seat": seat,
         "--logs": logs,
         "--season": season,
+        # Not the environment's, which is for every command that runs agents.
+        "--sandbox": sandbox if _is_written(context, "sandbox") else None,
         "--workers": workers,
         "--executor": executor,
         "--address": address,
@@ -172,6 +175,12 @@ def verify(
         from wildscav_evaluator.cli.sessions.verify_records import verify_records
 
         verify_records([resolve_record(Path(place), season) for place in places], key, as_json=as_json)
+
+
+def _is_written(context: typer.Context, parameter: str) -> bool:
+    """Return whether a parameter is in the command itself, and not in the environment alone."""
+    source = context.get_parameter_source(parameter)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def _check_options(given: dict[str, Any], kind: str, place: str) -> None:

@@ -120,6 +120,17 @@ def test_what_is_no_record_is_one_clear_line(submit: Submit, wildscav: Command, 
     assert len(done.stderr.splitlines()) == 1
 
 
+def test_a_sandbox_is_for_agents_unless_only_the_environment_names_it(
+    wildscav: Command, tmp_path: Path
+) -> None:
+    given = wildscav("verify", tmp_path, "--sandbox", "process")
+    named = wildscav("verify", tmp_path, WILDSCAV_SANDBOX="process")
+
+    assert given.returncode == 2
+    assert "--sandbox is for a record with --agent; " in given.stderr
+    assert "--sandbox" not in named.stderr
+
+
 class Recorded(NamedTuple):
     """A match of two submissions with a robot, and one that did not play in it."""
 
