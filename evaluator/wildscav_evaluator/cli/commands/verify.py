@@ -238,6 +238,7 @@ def _rescore(
     from wildscav_evaluator.cli.sessions.rescore import run_rescore, show_commitment
     from wildscav_evaluator.ledger.keys import read_public
 
+    commitment = None if commitment is None else commitment.strip().lower()
     if commitment is not None and not re.fullmatch("[0-9a-f]{64}", commitment):
         raise UserError(f"--commitment is {commitment!r}, must be 64 hexadecimal digits", exit_code=2)
     public = None if key is None else read_public(key)
