@@ -29,6 +29,8 @@ from wildscav_evaluator.output.identity import Identity
 from wildscav_evaluator.output.layout import LEDGER_FILE, RECORDS
 from wildscav_evaluator.output.results import MatchRow, Results
 
+INSTEAD = "name another --out, or start over with --fresh"
+
 
 class LedgerWriter:
     """Appends to the ledger of an evaluation. Its creator must hold the lock of the output folder.
@@ -44,7 +46,7 @@ class LedgerWriter:
         self._number = 0
         self.head = ""  # SHA-256 of the last line, which identifies the whole ledger
         self.played: dict[str, MatchEnded] = {}  # the matches that have a result
-        self._closed: Closed | None = None
+        self.closed: Closed | None = None  # the last entry, if it has the results
         ledger = self._read_existing(identity)
         self._resumed = ledger is None
         if ledger is None:
@@ -53,7 +55,7 @@ class LedgerWriter:
             self._append(Opened(identity=identity))
         else:
             self._number, self.head = len(ledger.entries), ledger.head
-            self.played, self._closed = ledger.played, ledger.closed
+            self.played, self.closed = ledger.played, ledger.closed
 
     def _read_existing(self, identity: Identity) -> Ledger | None:
         """Return the existing ledger, truncated to its last complete line; None if there is none."""
@@ -61,8 +63,8 @@ class LedgerWriter:
             content = read_lines(self._path)
         except FileNotFoundError:
             return None
-        except LedgerError as error:
-            raise _changed(str(error)) from error
+        except LedgerError as error:  # it is too large, or was changed
+            raise UserError(f"{error}: it cannot be continued; {INSTEAD}", exit_code=2) from error
         whole = content[: content.rfind(b"\n") + 1]
         if len(whole) < len(content):
             os.truncate(self._path, len(whole))
@@ -115,15 +117,15 @@ class LedgerWriter:
             for one in results.evaluations
         )
         closed = Closed(results=sha256_of(path), scores=scores)
-        if closed != self._closed:
+        if closed != self.closed:
             self._append(closed)
-            self._closed = closed
+            self.closed = closed
 
     def _append(self, fact: Fact) -> None:
         if not self._resumed:
             self._resumed = True
             self._append(Resumed())
-        self._closed = None
+        self.closed = None
         at = datetime.now(UTC).isoformat(timespec="milliseconds")
         entry = Entry(number=self._number, previous=self.head or None, at=at, fact=fact, signature=None)
         if self._key is not None:
@@ -162,7 +164,4 @@ def _kept(job: Job, ended: MatchEnded) -> JobResult:
 
 
 def _changed(why: str) -> UserError:
-    return UserError(
-        f"{why}: the matches played so far cannot be trusted; name another --out, or start over with --fresh",
-        exit_code=2,
-    )
+    return UserError(f"{why}: the matches played so far cannot be trusted; {INSTEAD}", exit_code=2)

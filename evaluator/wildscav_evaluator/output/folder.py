@@ -10,18 +10,28 @@ from wildscav.system.output_folders import check_folder
 from wildscav_engine.record import SUFFIX
 from wildscav_evaluator.output.identity import Identity, difference, read_identity, write_identity
 from wildscav_evaluator.output.layout import (
+    COMPARISON_FILE,
     EXCHANGES,
     JOURNAL,
     LEDGER_FILE,
     LOGS,
+    OPENED_FILE,
     RECORDS,
     REPLAYS,
     RESULTS_FILE,
+    STANDINGS_PICTURE,
+    SUITE_FILE,
+    TOURNAMENT_FILE,
 )
 from wildscav_evaluator.output.lock import Lock, locked
 from wildscav_evaluator.submissions.submission import Submission
 
 FOLDERS = (RECORDS, REPLAYS, LOGS)
+# The files about all matches, besides the identity; a fresh evaluation removes them.
+OWN_DOCUMENTS = (
+    *(RESULTS_FILE, LEDGER_FILE, COMPARISON_FILE, TOURNAMENT_FILE),
+    *(STANDINGS_PICTURE, SUITE_FILE, OPENED_FILE),
+)
 # The files that an evaluation writes for each match. The next one may remove these and no others.
 OWN_FILES = (
     *(f"{RECORDS}/*{SUFFIX}", f"{REPLAYS}/*.rrd", f"{LOGS}/*.log", f"{JOURNAL}/*.json"),
@@ -42,8 +52,8 @@ def output_folder(out: Path, identity: Identity, *, fresh: bool = False) -> Iter
     with locked(out) as lock:
         if fresh:
             # The results first and the identity last, so that this can be repeated if it is interrupted.
-            (out / RESULTS_FILE).unlink(missing_ok=True)
-            (out / LEDGER_FILE).unlink(missing_ok=True)
+            for name in OWN_DOCUMENTS:
+                (out / name).unlink(missing_ok=True)
             keep_only(out, ())
         else:
             _check_same(out, identity)

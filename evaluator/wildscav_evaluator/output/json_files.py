@@ -27,6 +27,7 @@ from wildscav_engine.storage.files import read_limited, write_whole
 
 LARGEST = 64 << 20  # bytes of a file
 MEMORY = 512 << 20  # bytes of memory that reading a large file may take
+PROCESSOR_TIME = 60  # s that it may take; the ledger of 20,000 matches takes 33
 SMALL = 256 << 10  # bytes of a file that is read without a trial
 
 
@@ -109,7 +110,7 @@ def read_after_trial(path: Path, trial: str) -> bytes:
     large = path.stat().st_size > SMALL
     if large:
         try:
-            call_limited(trial, str(path), memory=MEMORY)
+            call_limited(trial, str(path), memory=MEMORY, processor_time=PROCESSOR_TIME)
         except LimitExceededError as error:
             raise FileModelError(f"reading it would take too many resources: {error}") from None
         except UserError as error:

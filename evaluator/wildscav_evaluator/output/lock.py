@@ -41,13 +41,21 @@ def locked(folder: Path) -> Iterator[Lock]:
     path = folder / LOCK
     descriptor = _take(path, folder)
     try:
-        os.truncate(descriptor, 0)
-        os.write(descriptor, str(os.getpid()).encode())
+        _write_holder(descriptor, path)
         yield Lock(descriptor)
     finally:
         # Removed while it is still locked, so that a later process cannot lock the same file.
         path.unlink(missing_ok=True)
         os.close(descriptor)
+
+
+def _write_holder(descriptor: int, path: Path) -> None:
+    """Write which process holds the lock; UserError if the disk is full, say."""
+    try:
+        os.truncate(descriptor, 0)
+        os.write(descriptor, str(os.getpid()).encode())
+    except OSError as error:
+        raise UserError(f"{path} cannot be written: {error.strerror}") from error
 
 
 def _take(path: Path, folder: Path) -> int:

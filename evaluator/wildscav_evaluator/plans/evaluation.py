@@ -105,6 +105,8 @@ def check_names(submissions: Iterable[Submission]) -> None:
     """Refuse two submissions with one name, because their records and results could not be distinguished."""
     folders: dict[str, Path] = {}
     for submission in submissions:
+        if folders.get(submission.name) == submission.folder:
+            raise UserError(f"submission {submission.name!r} is named twice", exit_code=2)
         if submission.name in folders:
             raise UserError(
                 f"two submissions are called {submission.name!r}: {folders[submission.name]} and "

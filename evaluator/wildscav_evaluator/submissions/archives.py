@@ -32,6 +32,7 @@ MAX_ENTRIES = 10_000
 LONGEST_NAME = 240  # bytes of a path
 DEEPEST = 20  # folders
 CHUNK = 1 << 16  # bytes
+MACOS = ("__MACOSX", ".DS_Store", "._")  # how names begin that macOS adds beside the folder that it packs
 BROKEN = (
     *(zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError),
     *(EOFError, ValueError, NotImplementedError),
@@ -110,7 +111,7 @@ def unpack_into(archive: str, folder: str, largest_content: int, most_entries: i
 
 
 def _inner(folder: Path) -> Path:
-    entries = list(folder.iterdir())
+    entries = [entry for entry in folder.iterdir() if not entry.name.startswith(MACOS)]
     return entries[0] if len(entries) == 1 and entries[0].is_dir() else folder
 
 

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from wildscav.sdk.submission_folder import MANIFEST
 from wildscav_evaluator.submission_files import (
     LEFT_OUT,
+    copy_files,
     is_executable,
     submission_files,
 )
@@ -58,7 +59,7 @@ def load_submission(folder: Path) -> Submission:
     SubmissionError if it is not valid; one line says which file and field, and what is allowed.
     """
     if folder.is_file() and is_archive(folder):
-        folder = unpack(folder)
+        return _load_archive(folder)
     if not folder.is_dir():
         what = "is a file, not a folder" if folder.exists() else "does not exist"
         allowed = f"give a folder with a {MANIFEST} in it, or one as {', '.join(SUFFIXES)}"
@@ -70,6 +71,17 @@ def load_submission(folder: Path) -> Submission:
     _check_program(path, manifest, submission_files(folder))
     files = dict(_hashed_files(folder))
     return Submission(folder.resolve(), manifest, _digest_of(files), _digest_of(_content(files, manifest)))
+
+
+def _load_archive(archive: Path) -> Submission:
+    """Read and check a submission in an archive, whose path stands in errors for that of its folder."""
+    folder = unpack(archive)
+    if not (folder / MANIFEST).is_file():
+        raise SubmissionError(f"{archive} has no {MANIFEST} at its top or in its single folder")
+    try:
+        return load_submission(folder)
+    except SubmissionError as error:
+        raise SubmissionError(str(error).replace(str(folder), str(archive))) from error
 
 
 def _check_program(path: Path, manifest: Manifest, files: Sequence[Path]) -> None:
@@ -110,6 +122,14 @@ def _check_command(path: Path, program: str, files: Sequence[Path]) -> None:
 def folder_digest(folder: Path) -> str:
     """Return a digest of the files of a submission: their paths, their contents, and which are executable."""
     return _digest_of(dict(_hashed_files(folder)))
+
+
+def copy_unchanged(submission: Submission, place: Path) -> Path:
+    """Copy a submission's files into a new folder in a place; SubmissionError if they were changed."""
+    copy = copy_files(submission.folder, place / submission.folder.name)
+    if folder_digest(copy) != submission.digest:
+        raise SubmissionError(f"{submission.folder} was changed since this command began")
+    return copy
 
 
 def _digest_of(files: Mapping[bytes, str]) -> str:

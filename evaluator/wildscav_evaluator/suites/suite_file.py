@@ -5,10 +5,11 @@ to a list of values from which each map or match draws one.
 """
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from hashlib import blake2b
-from itertools import pairwise
+from itertools import pairwise, product
+from math import prod
 from pathlib import Path
 from typing import Annotated, Any, Self, TypeVar
 
@@ -44,6 +45,7 @@ from wildscav_inspect.config_files import LARGEST, read_config
 from wildscav_server.time_limits import Clock
 
 SUFFIX = ".toml"
+MAX_COMBINATIONS = 2_000  # of the choices of one section that are all checked
 SET_BY_SUITE = ("track", "map", "seed")  # fields of a match that the file may not set
 
 AnySpec = TypeVar("AnySpec", bound=Spec)
@@ -230,18 +232,30 @@ def _check_longest(fields: Fields, part: TrackSection, where: str) -> None:
 def _drawer(
     kind: type[AnySpec], fields: Fields, choices: Mapping[str, list[Any]], where: str
 ) -> Callable[[RandomStream], AnySpec]:
-    """Return a function that draws specs of some kind, after checking every value that it may draw."""
-    first = {path: values[0] for path, values in choices.items()}
-    for path, values in {"": [None], **choices}.items():
-        for value in values:
-            _made(kind, fields, {**first, path: value} if path else first, where)
+    """Return a function that draws specs of some kind, after checking what it may draw.
+
+    It raises UserError for a combination of values that was not checked and is not valid.
+    """
+    for chosen in _combinations(choices):
+        _made(kind, fields, chosen, where)
 
     def draw(dice: RandomStream) -> AnySpec:
-        return _made(
-            kind, fields, {path: choose(dice, tuple(values)) for path, values in choices.items()}, where
-        )
+        chosen = {path: choose(dice, tuple(values)) for path, values in choices.items()}
+        try:
+            return _made(kind, fields, chosen, where)
+        except ValueError as error:
+            raise UserError(f"the suite draws what is not valid: {error}", 2) from error
 
     return draw
+
+
+def _combinations(choices: Mapping[str, list[Any]]) -> Iterator[Fields]:
+    """Yield every combination of choices; of too many, every choice beside the first ones of the others."""
+    if prod(map(len, choices.values())) <= MAX_COMBINATIONS:
+        yield from (dict(zip(choices, chosen, strict=True)) for chosen in product(*choices.values()))
+        return
+    first = {path: values[0] for path, values in choices.items()}
+    yield from ({**first, path: value} for path, values in choices.items() for value in values)
 
 
 def _made(kind: type[AnySpec], fields: Fields, chosen: Fields, where: str) -> AnySpec:

@@ -25,25 +25,28 @@ from wildscav.system.worker_processes import end_with_parent
 MEMORY = 224 << 20  # bytes, beyond what Python uses once the function's module is imported
 PROCESSOR_TIME = 6  # s
 WALL_TIME = 120.0  # s; on a busy machine a process gets only a part of a core
-TOO_LONG = f"it takes more than {PROCESSOR_TIME} s of processor time"
 
 
 class LimitExceededError(UserError):
     """A file would take more time or memory to read than it may."""
 
 
-def call_limited(function: str, *arguments: Any, memory: int = MEMORY) -> Any:
+def call_limited(
+    function: str, *arguments: Any, memory: int = MEMORY, processor_time: int = PROCESSOR_TIME
+) -> Any:
     """Call a function in a limited process, and return its result.
 
     Args:
         function: As "module:function" or "module:Class.method".
         memory: Bytes that it may take, beyond what Python uses.
+        processor_time: s that it may take, likewise.
 
     Raises:
         LimitExceededError: It exceeded a limit; the message says which.
         UserError: The function raised this or any other exception.
     """
-    command = [sys.executable, "-m", "wildscav.system.limited_process", function, str(memory)]
+    limits = str(memory), str(processor_time)
+    command = [sys.executable, "-m", "wildscav.system.limited_process", function, *limits]
     try:
         done = subprocess.run(
             command, input=json.dumps(arguments).encode(), capture_output=True, timeout=WALL_TIME, check=False
@@ -55,7 +58,8 @@ def call_limited(function: str, *arguments: Any, memory: int = MEMORY) -> Any:
     except ValueError:
         # It was killed before it could answer: by the time limit, or by a system that ran out of memory.
         late = done.returncode == -signal.SIGXCPU
-        raise LimitExceededError(TOO_LONG if late else _too_much(memory)) from None
+        too_long = f"it takes more than {processor_time} s of processor time"
+        raise LimitExceededError(too_long if late else _too_much(memory)) from None
     if "result" in answer:
         return answer["result"]
     error = LimitExceededError if answer["limit"] else UserError
@@ -66,13 +70,13 @@ def _too_much(memory: int) -> str:
     return f"it takes more than {memory >> 20} MiB of memory"
 
 
-def main(function: str, memory: int) -> None:
+def main(function: str, memory: int, processor_time: int) -> None:
     """Call a function with the arguments from stdin, and write its result or error to stdout."""
     end_with_parent(os.getppid())
     module, _, name = function.partition(":")
     called = operator.attrgetter(name)(importlib.import_module(module))
     arguments = json.loads(sys.stdin.buffer.read())
-    _limit(memory)
+    _limit(memory, processor_time)
     try:
         answer = {"result": called(*arguments)}
     except MemoryError:
@@ -90,10 +94,10 @@ def main(function: str, memory: int) -> None:
     os._exit(0)  # without cleaning up, which could fail under the limits
 
 
-def _limit(memory: int) -> None:
+def _limit(memory: int, processor_time: int) -> None:
     """Set the limits of this process, on top of the time and memory that it has used so far."""
     used = resource.getrusage(resource.RUSAGE_SELF)
-    seconds = int(used.ru_utime + used.ru_stime) + PROCESSOR_TIME
+    seconds = int(used.ru_utime + used.ru_stime) + processor_time
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 2))
     with contextlib.suppress(OSError, ValueError):
         pages = int(Path("/proc/self/statm").read_text("ascii").split()[0])
@@ -102,4 +106,4 @@ def _limit(memory: int) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]))
+    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))

@@ -20,6 +20,7 @@ from wildscav_evaluator.ledger.keys import SigningKey, new_key
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, parse_ledger, read_ledger
 from wildscav_evaluator.ledger.writer import LedgerWriter
 from wildscav_evaluator.output.identity import Identity
+from wildscav_evaluator.output.json_files import LARGEST
 from wildscav_evaluator.output.layout import LEDGER_FILE
 from wildscav_evaluator.plans.evaluation import EvaluationPlan
 
@@ -108,6 +109,15 @@ def test_nothing_goes_on_in_a_ledger_that_was_changed(
     path.write_bytes(b"".join(lines))
     with pytest.raises(UserError, match="is of another evaluation"):
         LedgerWriter(tmp_path, identity.model_copy(update={"seed": "7"}), key)
+
+
+def test_a_ledger_that_is_too_large_is_not_said_to_be_changed(
+    tmp_path: Path, identity: Identity, key: SigningKey
+) -> None:
+    with (tmp_path / LEDGER_FILE).open("wb") as file:
+        file.truncate(LARGEST + 1)
+    with pytest.raises(UserError, match=r"it has more than [\d,]+ bytes: it cannot be continued"):
+        LedgerWriter(tmp_path, identity, key)
 
 
 def claim_less_time(content: dict[str, object]) -> None:
@@ -227,9 +237,9 @@ def test_a_signed_evaluation_goes_on_only_with_its_key(
     with pytest.raises(UserError, match=f"not signed with the key {other.public}"):
         run_session(replace(plan, key=other, out=signed.out))
 
-    before = (signed.out / LEDGER_FILE).read_bytes()
-    run_session(replace(plan, out=signed.out))
-    assert (signed.out / LEDGER_FILE).read_bytes() == before, "nothing happened that was to be entered"
+    before = contents(signed.out)
+    run_session(replace(plan, out=signed.out, jobs=plan.jobs + 1))
+    assert contents(signed.out) == before, "nothing was played, so there is nothing to enter"
 
 
 def test_records_without_a_ledger_are_refused_every_time_and_stay(

@@ -102,16 +102,26 @@ def test_a_folder_that_does_not_say_what_it_holds_is_refused(plan: EvaluationPla
     assert (plan.out / "records" / "mine.wsr").exists()
 
 
+# What `compare`, `tournament`, a suite of one's own and `secret open` leave in a folder.
+OF_EARLIER_COMMANDS = (
+    *("results.json", "ledger.jsonl", "comparison.json", "tournament.json", "standings.png"),
+    *("suite.toml", "secret.txt"),
+)
+
+
 def test_a_fresh_evaluation_takes_the_folder(plan: EvaluationPlan) -> None:
     with output_folder(plan.out, plan.identity()):
         (plan.out / "records" / "navigation-000-walker.wsr").touch()
-        (plan.out / "notes.txt").touch()
+        for name in (*OF_EARLIER_COMMANDS, "notes.txt"):
+            (plan.out / name).touch()
     other = replace(plan, seed=SuiteSeed(7))
 
     with output_folder(plan.out, other.identity(), fresh=True):
         assert read_identity(plan.out) == other.identity()
         assert list((plan.out / "records").iterdir()) == []
-        assert (plan.out / "notes.txt").exists()
+        assert {path.name for path in plan.out.iterdir() if path.is_file()} == {
+            *(IDENTITY_FILE, LOCK, "notes.txt")
+        }
 
 
 def test_halves_of_files_and_matches_that_do_not_count_are_removed(plan: EvaluationPlan) -> None:
@@ -182,6 +192,12 @@ def test_whoever_comes_while_an_evaluation_runs_is_told_without_a_wait(
 
     with locked(tmp_path):
         assert (tmp_path / LOCK).exists()
+
+
+def test_a_disk_that_is_full_from_the_start_is_told_with_its_folder(tmp_path: Path) -> None:
+    (tmp_path / LOCK).symlink_to("/dev/full")
+    with pytest.raises(UserError, match=f"{tmp_path / LOCK} cannot be written: "), locked(tmp_path):
+        pass
 
 
 def identity(*names: str, digest: str = "1") -> Identity:

@@ -82,6 +82,39 @@ def test_a_good_archive_is_the_submission_that_was_packed(tmp_path: Path, name: 
     assert load_submission(archive).folder == submission.folder
 
 
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("name", KINDS)
+def test_what_macos_adds_beside_the_folder_that_it_packs_is_no_part_of_it(tmp_path: Path, name: str) -> None:
+    files = {f"my-agent/{file}": content for file, content in GOOD.items()}
+    plain = load_submission(pack(tmp_path / name, files))
+    added = ("__MACOSX/my-agent/._agent.py", ".DS_Store", "._my-agent")
+
+    packed = load_submission(pack(tmp_path / f"finder-{name}", files | dict.fromkeys(added, b"")))
+
+    assert packed.digest == plain.digest
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize(
+    ("files", "says"),
+    [
+        ({}, " has no submission.toml at its top or in its single folder"),
+        ({"my-agent/agent.py": b""}, " has no submission.toml at its top or in its single folder"),
+        (
+            {"my-agent/submission.toml": MANIFEST},
+            "/submission.toml: entry_point: is 'agent:Walker', but there is no file {archive}/agent.py",
+        ),
+    ],
+)
+def test_what_is_wrong_in_an_archive_is_told_of_the_archive(
+    tmp_path: Path, files: dict[str, bytes], says: str
+) -> None:
+    archive = pack(tmp_path / "a.zip", files)
+    with pytest.raises(SubmissionError) as refused:
+        load_submission(archive)
+    assert str(refused.value) == f"{archive}{says.format(archive=archive)}"
+
+
 def test_a_cache_keeps_what_was_used_last_and_whatever_may_be_in_use(cache: Path) -> None:
     for name, days in {"today": 0.5, "yesterday": 1.5, "last week": 7, "last month": 31}.items():
         (cache / name).mkdir(parents=True)

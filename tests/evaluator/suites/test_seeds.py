@@ -108,7 +108,7 @@ def test_results_tell_the_commitment_and_not_the_seed(hidden: tuple[Path, Path])
 def test_an_opened_secret_shows_that_its_matches_were_played(hidden: tuple[Path, Path], secret: Run) -> None:
     file, out = hidden
     commitment = read_secret(file).commitment
-    assert "is not opened: use" in verified(out, commitment).stderr
+    assert "is not opened: use" in verified(out, str(commitment).upper()).stderr
 
     opened = secret("open", file, out)
     checked = verified(out, commitment)

@@ -9,6 +9,7 @@ from wildscav.errors import UserError
 from wildscav_engine.maps.catalogue import map_spec
 from wildscav_engine.specs.match_spec import SUBMISSION
 from wildscav_evaluator.sandbox import DEFAULT_LIMITS, Limits
+from wildscav_evaluator.suites import suite_file
 from wildscav_evaluator.suites.suite import EVALUATION_MAPS, SUITES
 from wildscav_evaluator.suites.suite_file import find_suite, read_suite
 
@@ -140,6 +141,11 @@ def test_a_suite_is_a_function_of_its_file_and_seed(write: Callable[[str], Path]
         ('"fighter-easy"', '"knight"', "seat 1 is filled by 'knight'; allowed are submission"),
         ('"submission", ', "", "tracks.battle: no seat is filled by 'submission'"),
         ("[map]", "[map", "is not valid TOML"),
+        (  # each is valid beside the first of the other
+            "match = { time_limit = 30 }",
+            'choose = { clock = ["running", "bank"], "thinking.pace" = [1.0, 2.0] }',
+            "tracks.navigation: thinking.pace is given, but the clock bank does not use it",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_file_is_one_line(
@@ -153,6 +159,18 @@ def test_what_is_wrong_with_a_file_is_one_line(
     assert says in str(refused.value)
     assert str(refused.value).startswith(str(path))
     assert "\n" not in str(refused.value)
+    assert refused.value.exit_code == 2
+
+
+def test_of_too_many_combinations_a_wrong_one_is_refused_when_it_is_drawn(
+    write: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(suite_file, "MAX_COMBINATIONS", 3)
+    choices = 'choose = { clock = ["running", "bank"], "thinking.pace" = [1.0, 2.0] }'
+    suite = read_suite(write(SPRING.replace("match = { time_limit = 30 }", choices)))
+
+    with pytest.raises(UserError, match="draws what is not valid: ") as refused:
+        suite.matches("navigation", 0)
     assert refused.value.exit_code == 2
 
 

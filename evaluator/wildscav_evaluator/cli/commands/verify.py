@@ -98,6 +98,7 @@ Workers = Annotated[
 
 
 def verify(
+    context: typer.Context,
     places: Places,
     key: KeyOption = None,
     commitment: Commitment = None,
@@ -126,6 +127,9 @@ def verify(
 
     With --json, of records: `records`: `path`, `holds`, `message` of each.
 
+    With --json, of a record with --agent: `record`, and `seats`: `seat`, `name`, `status` and `late_steps` of
+    this replay, `steps`, `differing` (how many), `first` (the first that differs), `difference` of each.
+
     With --json, of a folder: `folder`, `results` as the records give them, `disagreements`, and `unchecked`
     (what cannot be proven yet), a line each.
 
@@ -144,6 +148,8 @@ def verify(
         "--seat": seat,
         "--logs": logs,
         "--season": season,
+        # Not the environment's, which is for every command that runs agents.
+        "--sandbox": sandbox if _is_written(context, "sandbox") else None,
         "--workers": workers,
         "--executor": executor,
         "--address": address,
@@ -163,11 +169,18 @@ def verify(
     elif kind == "an evaluation":
         _rescore(Path(places[0]), key, commitment, executor_of(executor, address, workers), as_json=as_json)
     elif agent is not None:
-        _run_again(resolve_record(Path(places[0]), season), agent, seat or [], logs, sandbox)
+        record = resolve_record(Path(places[0]), season)
+        _run_again(record, agent, seat or [], logs, sandbox, as_json=as_json)
     else:
         from wildscav_evaluator.cli.sessions.verify_records import verify_records
 
         verify_records([resolve_record(Path(place), season) for place in places], key, as_json=as_json)
+
+
+def _is_written(context: typer.Context, parameter: str) -> bool:
+    """Return whether a parameter is in the command itself, and not in the environment alone."""
+    source = context.get_parameter_source(parameter)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def _check_options(given: dict[str, Any], kind: str, place: str) -> None:
@@ -225,6 +238,7 @@ def _rescore(
     from wildscav_evaluator.cli.sessions.rescore import run_rescore, show_commitment
     from wildscav_evaluator.ledger.keys import read_public
 
+    commitment = None if commitment is None else commitment.strip().lower()
     if commitment is not None and not re.fullmatch("[0-9a-f]{64}", commitment):
         raise UserError(f"--commitment is {commitment!r}, must be 64 hexadecimal digits", exit_code=2)
     public = None if key is None else read_public(key)
@@ -234,7 +248,9 @@ def _rescore(
         run_rescore(out, machines, public, as_json=as_json)
 
 
-def _run_again(record: Path, agent: str, seats: list[int], logs: Path | None, sandbox: str | None) -> None:
+def _run_again(
+    record: Path, agent: str, seats: list[int], logs: Path | None, sandbox: str | None, *, as_json: bool
+) -> None:
     """Run a submission again in a recorded match."""
     from wildscav_evaluator.cli.options.selection import load_submissions
     from wildscav_evaluator.cli.sessions.run_again import run_again
@@ -247,4 +263,4 @@ def _run_again(record: Path, agent: str, seats: list[int], logs: Path | None, sa
             f"submission {loaded[0].name!r} asks a language model, and verify offers none", exit_code=2
         )
     runs_in, (submission,) = chosen_sandbox(sandbox, loaded)
-    run_again(record, submission, seats=seats, logs=logs, sandbox=runs_in)
+    run_again(record, submission, seats=seats, logs=logs, sandbox=runs_in, as_json=as_json)

@@ -22,7 +22,7 @@ from wildscav_evaluator.cli.options.running import (
     chosen_sandbox,
     executor_of,
 )
-from wildscav_evaluator.cli.options.signing import SignOption, signing_key, warn_of_open_key
+from wildscav_evaluator.cli.options.signing import SignOption, check_hidden, signing_key, warn_of_open_key
 
 if TYPE_CHECKING:
     from wildscav_evaluator.executors import Executor
@@ -188,6 +188,8 @@ class PlayOptions:
         from wildscav_evaluator.cli.options.selection import check_interface, suite_seed
 
         check_interface(submissions, self.interface)
+        if self.secret is not None:
+            check_hidden("--secret", self.secret, (one.folder for one in submissions))
         seed, out = suite_seed(self.seed, self.secret), self.out or parent
         key, model = signing_key(self.sign, out, submissions), chosen_model(self.model, submissions)
         with executor_of(self.executor, self.address, self.workers) as machines:
@@ -248,6 +250,7 @@ class TournamentOptions(PlayOptions):
         typer.Option(
             help="How often each map and match seed is played, each time in other seats. Default: 2.",
             min=1,
+            max=1000,
             show_default=False,
         ),
     ] = None

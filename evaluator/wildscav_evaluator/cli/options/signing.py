@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -47,11 +47,17 @@ def signing_key(file: Path | None, out: Path, submissions: "Sequence[Submission]
         return None
     from wildscav_evaluator.ledger.keys import read_key
 
-    place = file.resolve()
-    for folder in (out.resolve(), *(one.folder.resolve() for one in submissions)):
-        if place.is_relative_to(folder):
-            raise UserError(f"--sign {file} is in {folder}, where others can see it: move it", exit_code=2)
+    check_hidden("--sign", file, (out, *(one.folder for one in submissions)))
     return read_key(file, lambda: ask_passphrase(file))
+
+
+def check_hidden(option: str, file: Path, folders: Iterable[Path]) -> None:
+    """Refuse a file that lies in a folder where others see it."""
+    for folder in folders:
+        if file.resolve().is_relative_to(folder.resolve()):
+            raise UserError(
+                f"{option} {file} is in {folder.resolve()}, where others can see it: move it", exit_code=2
+            )
 
 
 def warn_of_open_key(sandbox: str) -> None:

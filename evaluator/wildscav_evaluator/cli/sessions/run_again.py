@@ -4,13 +4,15 @@ import asyncio
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+from pydantic import ValidationError
 from rich.text import Text
 
 from wildscav.errors import INTERRUPTED, UserError
-from wildscav.terminal.console import console, counted, printable
+from wildscav.terminal.console import console, counted, print_json, printable
 from wildscav_engine.compilation.engine_progress import preparing
 from wildscav_engine.record import Record, RecordError, read_record, verify_record
 from wildscav_engine.simulation.match import MatchSetupError
+from wildscav_engine.specs.validation import one_line
 from wildscav_evaluator.cli.sessions.playing import raise_errors
 from wildscav_evaluator.ledger.ledger import Ledger, LedgerError, read_ledger
 from wildscav_evaluator.matches.play import (
@@ -36,7 +38,15 @@ CAUTION = (
 )
 
 
-def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs: Path, sandbox: str) -> None:
+def run_again(
+    path: Path,
+    submission: Submission,
+    *,
+    seats: Sequence[int],
+    logs: Path,
+    sandbox: str,
+    as_json: bool = False,
+) -> None:
     """Run a submission again in a recorded match, and show how far it acts as recorded.
 
     Without ``seats``, those are compared that the record gives to the submission. UserError if the record is
@@ -61,7 +71,10 @@ def run_again(path: Path, submission: Submission, *, seats: Sequence[int], logs:
         raise TypeError("the match that was played is not the recorded one")
     if match.diverged_at is not None:
         raise UserError(f"{path} is not valid: the state differs in step {match.diverged_at}")
-    raise_errors(list(_report(match.agreements.values(), played, record)))
+    agreements = match.agreements.values()
+    if as_json:
+        print_json({"record": str(path), "seats": [_document(one, played, record) for one in agreements]})
+    raise_errors(list(_report(agreements, played, record)))
 
 
 def _verified_record(path: Path) -> Record:
@@ -146,7 +159,10 @@ def _limits(
     elif all(one.digest != submission.digest for one in entries):
         _warn(f"these are not the files of {submission.name} that were evaluated in {out}")
     kept = ledger.identity.limits.get(record.spec.track)
-    return DEFAULT_LIMITS if kept is None else Limits.model_validate(kept.model_dump(exclude_none=True))
+    try:
+        return Limits.model_validate({} if kept is None else kept.model_dump(exclude_none=True))
+    except ValidationError as error:
+        raise UserError(f"{path}: the ledger's limits are not possible: {one_line(error)}", 2) from error
 
 
 def _warn(text: str) -> None:
@@ -188,6 +204,21 @@ def _report(agreements: Iterable[Agreement], played: PlayedMatch, record: Record
     if differing:
         _say(CAUTION)
     yield from differing
+
+
+def _document(one: Agreement, played: PlayedMatch, record: Record) -> dict[str, object]:
+    """Return how far a seat acted as recorded, as ``--json`` prints it."""
+    report = played.seats[one.seat]
+    return {
+        "seat": one.seat,
+        "name": record.names[one.seat],
+        "status": report.status.value,
+        "late_steps": report.late_steps,
+        "steps": one.steps,
+        "differing": one.differing,
+        "first": one.first,
+        "difference": one.difference,
+    }
 
 
 def _say(text: str) -> None:

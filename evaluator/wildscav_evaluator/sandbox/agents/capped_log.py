@@ -1,11 +1,14 @@
 """The log of an agent's output: saved to a file up to a limit, with the last lines in memory."""
 
 import asyncio
+import json
 import os
+from itertools import accumulate
 from pathlib import Path
 
 TAIL = 32_768  # bytes kept in memory to explain a failure
 LAST_LINES = 20  # of the tail
+LAST_SIZE = 4_096  # bytes of these lines as JSON, so that results of many failures can be read
 CHUNK = 65_536  # bytes
 DISCARD_DELAY = 0.005  # s between chunks beyond the limit, so that a flood slows its writer and not us
 LINE = 200  # characters of a line that are kept
@@ -36,8 +39,11 @@ class CappedLog:
         return [_shortened(line) for line in self._tail.decode("utf-8", "replace").splitlines()]
 
     def last_lines(self) -> tuple[str, ...]:
-        """Return the last lines, at most twenty of them."""
-        return tuple(self.lines()[-LAST_LINES:])
+        """Return the last lines, at most twenty of them, and of those as many as fit into the results."""
+        backwards = self.lines()[: -LAST_LINES - 1 : -1]
+        sizes = accumulate(len(json.dumps(line)) for line in backwards)
+        kept = sum(size <= LAST_SIZE for size in sizes)
+        return tuple(reversed(backwards[:kept]))
 
     def _append(self, content: bytes) -> bool:
         try:

@@ -241,6 +241,11 @@ def test_two_versions_meet_others_by_default_and_each_other_never(
     assert settings.seats == 2, "a match of three or more would have both versions in it sometimes"
 
 
+def test_a_game_is_repeated_a_thousand_times_at_most(entrants: tuple[str, ...], suite: Path) -> None:
+    done = CliRunner().invoke(app, arguments(entrants, suite, "--repeats=1001"))
+    assert done.exit_code == 2, "a wrong option, and no traceback"
+
+
 def test_a_tournament_needs_two_entrants(suite: Path) -> None:
     done = refused(*arguments(("robot:walker",), suite))
     assert "a tournament has 2 to 1,000 entrants; 1 entrant is named" in done

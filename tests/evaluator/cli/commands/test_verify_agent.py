@@ -1,5 +1,6 @@
 """`wildscav verify --agent`: only an agent that acts as recorded is borne out by its record."""
 
+import json
 import shutil
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,7 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from tests.end_to_end.pages import json_documents, names
 from tests.evaluator.conftest import submission_in
+from tests.evaluator.results_by_hand import identity_of
 from tests.evaluator.sample_agents import Command, Submit
 from tests.evaluator.small_matches import SMALL, play, seated
 
@@ -19,7 +22,7 @@ from wildscav_engine.specs.match_spec import MatchSpec
 from wildscav_engine.specs.thinking import CHARGE, SeatThinking, Thinking
 from wildscav_evaluator.cli.sessions.run_again import run_again
 from wildscav_evaluator.ledger.writer import LedgerWriter
-from wildscav_evaluator.output.results import TournamentSettings
+from wildscav_evaluator.output.results import KeptLimits, TournamentSettings
 from wildscav_evaluator.plans.tournament import TournamentPlan
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_evaluator.suites.seeds import SuiteSeed
@@ -117,6 +120,17 @@ def test_what_is_no_record_is_one_clear_line(submit: Submit, wildscav: Command, 
     assert len(done.stderr.splitlines()) == 1
 
 
+def test_a_sandbox_is_for_agents_unless_only_the_environment_names_it(
+    wildscav: Command, tmp_path: Path
+) -> None:
+    given = wildscav("verify", tmp_path, "--sandbox", "process")
+    named = wildscav("verify", tmp_path, WILDSCAV_SANDBOX="process")
+
+    assert given.returncode == 2
+    assert "--sandbox is for a record with --agent; " in given.stderr
+    assert "--sandbox" not in named.stderr
+
+
 class Recorded(NamedTuple):
     """A match of two submissions with a robot, and one that did not play in it."""
 
@@ -144,17 +158,35 @@ def test_an_agent_that_acts_as_recorded_is_borne_out_beside_another_whose_seat_p
 
 
 def test_another_agent_is_found_out_at_its_first_other_step(
-    match: Recorded, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    match: Recorded, wildscav: Command, tmp_path: Path
 ) -> None:
-    with pytest.raises(UserError) as refused:
-        again(match.path, match.turncoat, tmp_path, [0])
+    options = ("--seat", 0, "--logs", tmp_path, "--sandbox", "process", "--json")
+    done = wildscav("verify", match.path, "--agent", match.turncoat.folder, *options)
 
-    assert refused.value.exit_code == 1
-    assert str(refused.value) == (
-        "seat 0 (circler) acts differently than recorded in 13 of 20 steps, first in step 8: walk_speed 6 "
-        "recorded, 2.5 now"
+    difference = "walk_speed 6 recorded, 2.5 now"
+    assert done.returncode == 1
+    assert (
+        "wildscav: seat 0 (circler) acts differently than recorded in 13 of 20 steps, first in step 8: "
+        f"{difference}\n" in done.stderr
     )
-    assert "may differ although its code is the same" in capsys.readouterr().out
+    assert "may differ although its code is the same" in " ".join(done.stderr.split())
+    document = json.loads(done.stdout)
+    counts = {"late_steps": 0, "steps": 20, "differing": 13, "first": 8}
+    seat = {"seat": 0, "name": "circler", "status": "finished", "difference": difference, **counts}
+    assert document == {"record": str(match.path), "seats": [seat]}
+    assert names(document) == json_documents()["verify of a record with --agent"]
+
+
+def test_a_ledger_with_limits_that_no_sandbox_has_is_refused(match: Recorded, tmp_path: Path) -> None:
+    path = tmp_path / "records" / "battle-000-circler.wsr"
+    path.parent.mkdir()
+    limits = {"battle": KeptLimits(output=1)}
+    LedgerWriter(tmp_path, identity_of("circler", track="battle").model_copy(update={"limits": limits}), None)
+    shutil.copy(match.path, path)
+
+    with pytest.raises(UserError, match="the ledger's limits are not possible: output: ") as refused:
+        again(path, match.circler, tmp_path / "again", [0])
+    assert refused.value.exit_code == 2
 
 
 def test_a_seat_must_be_one_of_the_submission(match: Recorded, tmp_path: Path) -> None:
