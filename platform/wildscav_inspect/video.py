@@ -121,7 +121,8 @@ def make_video(
 
     width, height, pictures = OF_MP4 if poster or path.suffix.lower() == MP4 else OF_ANIMATION
     width, height = _size(options.size) if options.size else (width, height)
-    look = Look(view, seat, width, height, options.detail or (1.0 if poster else DETAIL))
+    detail = (1.0 if poster else DETAIL) if options.detail is None else options.detail
+    look = Look(view, seat, width, height, detail)
     try:
         check_encoder(path)
         film = _film(played, look, path, notes_beside(record, played, logs))
@@ -129,7 +130,8 @@ def make_video(
             write_poster(film, path, options.start)
             _say(path, "one picture")
         else:
-            _write(film, path, Pace(options.start or 0.0, options.end, options.fps or pictures, speed))
+            fps = pictures if options.fps is None else options.fps
+            _write(film, path, Pace(options.start or 0.0, options.end, fps, speed))
     except VideoError as error:
         raise UserError(str(error)) from None
     except RecordError as error:

@@ -110,8 +110,12 @@ class Body:
         return Reason.DONE, "You were dead, and have come back to life."
 
     def standing(self, turn: float = 0.0) -> Action:
-        """Stand, and turn by some degrees at most."""
+        """Stand, and turn by some degrees at most, or aim at an enemy."""
         return self.moving(STANDING, self._turning(turn))
+
+    def turning(self, degrees: float) -> Action:
+        """Stand, and turn by some degrees at most, whoever is in sight."""
+        return self.moving(STANDING, self._turning(degrees), fights=False)
 
     def standing_at(self, place: Vector) -> Action:
         """Stand, and face a place."""
@@ -170,11 +174,12 @@ class Body:
         walk = Walk(self.dodging.direction(self.now, in_sight.position, closing), FULL_SPEED)
         return self.moving(walk, enemy=in_sight)
 
-    def moving(self, walk: Walk, aim: Aim | None = None, enemy: VisibleAgent | None = None) -> Action:
+    def moving(
+        self, walk: Walk, aim: Aim | None = None, enemy: VisibleAgent | None = None, *, fights: bool = True
+    ) -> Action:
         """Return the action of a walk: it looks ahead, or shoots at an enemy unless the seat holds fire."""
         enemy = enemy or next(iter(self.enemies), None)
-        shoots = enemy is not None and not self.holds_fire
-        if enemy is not None and shoots:
+        if enemy is not None and fights and not self.holds_fire:
             walk = steady(self.match, self.now, enemy, walk)
             own = velocity_of(walk.direction, walk.speed)
             aim = aim_at(self.now, enemy, own, self.frames, max_turn_of(self.match))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 import typer
 
 from wildscav.errors import UserError
+from wildscav_server.endpoints.addresses import LAST_PORT
 
 if TYPE_CHECKING:
     from wildscav_server.endpoints.tls import Certificate
@@ -73,7 +74,7 @@ def serve(
             help="Serve Prometheus metrics to this machine on this port, and those of further workers on "
             "the ports after it; 0 takes free ports.",
             min=0,
-            max=65_535,
+            max=LAST_PORT,
         ),
     ] = None,
 ) -> None:
@@ -89,8 +90,13 @@ def serve(
     token = None if organizer_token_file is None else read_token(organizer_token_file)
     certificate = _certificate(tls_cert, tls_key, client_ca)
     addresses = listen or ["127.0.0.1:50051"]
+    workers = workers or min(cores(), MAX_WORKERS)
+    if metrics_port is not None and (last := metrics_port + workers - 1) > LAST_PORT:
+        raise UserError(
+            f"--metrics-port is {metrics_port}: {workers} workers would need ports up to {last}", exit_code=2
+        )
     options = ServerOptions(addresses, token, certificate, insecure, log_format, metrics_port)
-    asyncio.run(_serve(options, workers or min(cores(), MAX_WORKERS)))
+    asyncio.run(_serve(options, workers))
 
 
 def _certificate(chain: Path | None, key: Path | None, client_ca: Path | None) -> "Certificate | None":

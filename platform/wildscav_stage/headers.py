@@ -1,12 +1,10 @@
 """What all answers of the stage's own sites say, and by which names these are asked for."""
 
-import socket
-from ipaddress import ip_address
-from urllib.parse import urlsplit
-
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from wildscav_engine.view.web import is_own_name
 
 HEADERS = {
     "Content-Security-Policy": (
@@ -41,26 +39,13 @@ class SecurityHeaders:
 
 
 class OwnNames:
-    """Middleware that refuses requests by another name than the host's.
-
-    Whoever owns another name could lead it here, to have foreign pages read.
-    """
+    """Middleware that refuses requests by another name than the host's."""
 
     def __init__(self, app: ASGIApp, host: str) -> None:
-        self._app = app
-        machine = socket.gethostname().lower()
-        self._names = {host.lower(), "localhost", machine, f"{machine}.local"}
+        self._app, self._host = app, host
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request."""
-        is_own = self._is_own(Headers(scope=scope).get("host", ""))
+        is_own = is_own_name(Headers(scope=scope).get("host", ""), self._host)
         app = self._app if is_own else PlainTextResponse("this is not the name of this site\n", 400)
         await app(scope, receive, send)
-
-    def _is_own(self, told: str) -> bool:
-        """Return whether a header Host has an address, or a name of this machine."""
-        try:
-            name = urlsplit(f"//{told}").hostname or ""
-            return name in self._names or bool(ip_address(name))
-        except ValueError:
-            return False

@@ -5,18 +5,18 @@ to any other host.
 """
 
 import os
-import re
 import socket
 import subprocess
 import time
 from collections.abc import Mapping
 from http.client import HTTPException
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from ipaddress import ip_address
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, ClassVar, Final, NamedTuple
 from urllib.error import URLError
-from urllib.parse import urlencode
+from urllib.parse import urlencode, urlsplit
 from urllib.request import ProxyHandler, build_opener
 
 from wildscav_engine.view.replay import ViewError
@@ -36,7 +36,6 @@ POLICY = (
     "default-src 'none'; connect-src 'self'; img-src 'self' data: blob:; style-src 'unsafe-inline'; "
     "script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; worker-src 'self' blob:"
 )
-HOST = re.compile(r"[A-Za-z0-9.-]+(:\d+)?|\[[0-9A-Fa-f:.]+\](:\d+)?")
 
 
 class Content(NamedTuple):
@@ -66,6 +65,7 @@ class ReplayServer(ThreadingHTTPServer):
             **{path: Content(TYPES[path], body) for path, body in viewer_files().items()},
             RECORDING: Content("application/octet-stream", replay),
         }
+        self.host: Final = host
         self.address_family = socket.AF_INET6 if ":" in host else socket.AF_INET
         try:
             super().__init__((host, port), _Handler)
@@ -84,6 +84,19 @@ def link_to(host: str, port: int) -> str:
     return f"http://{f'[{host}]' if ':' in host else host}:{port}/"
 
 
+def is_own_name(header: str, host: str) -> bool:
+    """Return whether a header Host has an address, or a name of this machine, on which a site is at ``host``.
+
+    Whoever owns another name could lead it here, to have foreign pages read.
+    """
+    machine = socket.gethostname().lower()
+    try:
+        name = urlsplit(f"//{header}").hostname or ""
+        return name in (host.lower(), "localhost", machine, f"{machine}.local") or bool(ip_address(name))
+    except ValueError:
+        return False
+
+
 class _Handler(BaseHTTPRequestHandler):
     """Handler of GET and HEAD requests."""
 
@@ -99,7 +112,9 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         path, _, query = self.path.partition("?")
-        if path == "/" and "url=" not in query:
+        if not is_own_name(self.headers.get("Host", ""), self.server.host):
+            self._answer(400, Content(PLAIN, b"this is not the name of this site\n"))
+        elif path == "/" and "url=" not in query:
             self._redirect(query)
         elif (found := self.server.content.get("/index.html" if path == "/" else path)) is None:
             self._answer(404, Content(PLAIN, b"there is no such page\n"))
@@ -110,12 +125,9 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _redirect(self, query: str) -> None:
         """Redirect to the viewer with the recording's URL, which must be absolute."""
-        host = self.headers.get("Host", "")
-        if not HOST.fullmatch(host):
-            return self._answer(400, Content(PLAIN, b"the request has no Host header\n"))
-        options = {"url": f"http://{host}{RECORDING}", **VIEWER_OPTIONS}
+        options = {"url": f"http://{self.headers['Host']}{RECORDING}", **VIEWER_OPTIONS}
         place = f"/?{urlencode(options)}" + (f"&{query}" if query else "")
-        return self._answer(302, Content(PLAIN, b""), {"Location": place})
+        self._answer(302, Content(PLAIN, b""), {"Location": place})
 
     def _answer(self, status: int, content: Content, more: Mapping[str, str] | None = None) -> None:
         self.send_response(status)

@@ -15,6 +15,7 @@ from wildscav.errors import UserError
 
 TEMPLATE = ("submission.toml", "agent.py", "README.md")
 LONGEST_NAME = 40  # characters
+CHOOSE, ACTIVATION = "sampled", "tanh"  # by default
 POLICY_FILES = "wildscav.policy_files"  # entry points: functions such as that of wildscav_training
 
 
@@ -60,15 +61,15 @@ def init(
     from_policy: PolicyFile = None,
     track: Track = None,
     option: EnvironmentOptions = None,
-    choose: Choosing = "sampled",
-    activation: Activation = "tanh",
+    choose: Choosing = CHOOSE,
+    activation: Activation = ACTIVATION,
 ) -> None:
     """Create a new submission from a template, a baseline or a trained policy, ready to play."""
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(f"{folder} is not an empty folder: name one that does not exist yet", exit_code=2)
     name = submission_name(folder.resolve().name) if name is None else _checked(name)
-    if from_policy is None and (track is not None or option):
-        raise UserError("--track and --option are for --from-policy", exit_code=2)
+    if from_policy is None and (track is not None or option or (choose, activation) != (CHOOSE, ACTIVATION)):
+        raise UserError("--track, --option, --choose and --activation are for --from-policy", exit_code=2)
     if from_policy is not None and baseline is not None:
         raise UserError(
             "--from and --from-policy are both given: start from a baseline or a policy", exit_code=2

@@ -13,6 +13,7 @@ from typing import Any
 
 LARGEST = 256 << 20  # bytes of a log
 LEFT_OUT = "(key)"  # in place of the key, wherever it stands
+SHORTEST_KEY = 8  # characters; what is shorter is a placeholder for a server that wants no key
 
 
 class Log:
@@ -54,7 +55,7 @@ class Log:
         if self._path is None:
             return
         line = json.dumps({"at": round(time.monotonic() - self._began, 3), "kind": kind, **content}) + "\n"
-        line = line.replace(self._key, LEFT_OUT) if self._key else line
+        line = line.replace(self._key, LEFT_OUT) if len(self._key) >= SHORTEST_KEY else line
         self._size += len(line)
         if self._size <= LARGEST:
             with self._path.open("a", encoding="utf-8") as file:

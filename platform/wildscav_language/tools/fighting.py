@@ -141,8 +141,8 @@ def seen_agent(body: Body, seat: int) -> Seen:
 FOLLOW = Tool("follow", "Walk after an agent that you have seen.", Follow, follow)
 ATTACK = Tool(
     "attack",
-    "Fight an enemy: come near, dodge, aim and shoot. From then on you shoot at enemies in sight during "
-    "other tools, too, until you hold your fire.",
+    "Fight an enemy: come near, dodge, aim and shoot. From then on you shoot at enemies in sight during all "
+    "tools but turn and look_around, until you hold your fire.",
     Attack,
     attack,
 )

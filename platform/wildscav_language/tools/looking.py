@@ -48,7 +48,7 @@ def look_around(body: Body, _: LookAround) -> Steps:
     while left > STEADY:
         turn = min(left, body.turn_in_step)
         left -= turn
-        yield body.standing(turn)
+        yield body.turning(turn)
     return Reason.DONE, ""
 
 
@@ -59,7 +59,7 @@ def turn(body: Body, order: Turn) -> Steps:
         left = turn_to(body.now.yaw, goal)
         if abs(left) < STEADY:
             return Reason.DONE, ""
-        yield body.standing(left)
+        yield body.turning(left)
 
 
 def wait_until(body: Body, order: WaitUntil) -> Steps:

@@ -10,7 +10,7 @@ from wildscav.policy.keys import AT_ONCE, FLAGS, Mouse, held_action
 
 MAX_TURN = 3600.0  # degrees in one message
 LONGEST_TEXT = 100  # characters
-MAX_ROBOTS = 8  # that the host of a table may choose
+MAX_ROBOTS = 999  # of a match with a person; a table may allow fewer
 Share = Annotated[float, Field(ge=-1.0, le=1.0)]
 Turn = Annotated[float, Field(ge=-MAX_TURN, le=MAX_TURN)]
 Text = Annotated[str, Field(max_length=LONGEST_TEXT)]

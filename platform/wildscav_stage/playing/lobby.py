@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 MAX_BEHIND = 0.1  # s that the match may be behind real time before it stops catching up
 LONGEST_NAME = 20  # characters
+MAX_ROBOTS = 8  # that the host can choose, unless there are more already
 ON_THE_WAY = 30.0  # s in which somebody who was let in opens the page of their seat
 HOST_RETURNS = 5.0  # s in which a host who loads the page again is back
 HOST = 0  # the seat of whoever started the table
@@ -199,6 +200,9 @@ class Lobby:
             LobbyError: Somebody else than the host asks for it, or such a match is not possible.
         """
         only_host(asked_by, "chooses what is played")
+        most = max(MAX_ROBOTS, len(self.plan.robots))
+        if len(robots) > most:
+            raise LobbyError(f"at most {most} robots can play")
         try:
             self.plan = self.plan.arranged(robots, new_map=False)
         except UserError as error:

@@ -55,6 +55,8 @@ def test_a_poster_is_one_picture(record: Path, tmp_path: Path) -> None:
         (("--size", "big"), "--size is 'big', must be a width and a height such as 1280x720"),
         (("--size", "9x9"), "the size is 9x9, must be from 160x90 to 1920x1080 pixels"),
         (("--detail", "7"), "the detail is 7, must be 0.2 to 1"),
+        (("--detail", "0"), "the detail is 0, must be 0.2 to 1"),
+        (("--fps", "0"), "the pictures a second are 0, must be 1 to 60"),
         (("--start", "5"), "from 5 s to 2 s of a match of 2 s"),
         (("--season", "http://127.0.0.1"), "--season is for the number of a match"),
     ],

@@ -86,6 +86,25 @@ def test_where_a_tool_leads(call: str, arguments: Mapping[str, float], place: Ve
     assert world.yaw == pytest.approx(yaw, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("call", "arguments", "yaw"),
+    [
+        ("turn", {"right": 180}, -180.0),
+        ("look_around", {}, 0.0),  # a full turn
+    ],
+)
+def test_an_enemy_in_sight_does_not_keep_a_seat_from_turning(
+    call: str, arguments: Mapping[str, float], yaw: float
+) -> None:
+    world = seeing(EAST)
+
+    reply = world.call(call, arguments)
+
+    assert reply.ended == Reason.DONE
+    assert world.yaw == pytest.approx(yaw)
+    assert sum(abs(5 * action.turn) for action in world.actions) == pytest.approx(abs(yaw) or 360.0)
+
+
 def test_a_reply_tells_where_the_target_is_and_what_was_seen() -> None:
     world = FlatWorld(track="navigation", target=TARGET)
     world.changes = {"target": TARGET}

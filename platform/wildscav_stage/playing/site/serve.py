@@ -26,7 +26,7 @@ from wildscav_stage.playing.site.app import Site
 from wildscav_stage.playing.table import COUNTDOWN, Table
 from wildscav_stage.scene.map_file import map_file
 
-LARGEST_MESSAGE = 4096  # bytes, from a page
+LARGEST_MESSAGE = 1 << 15  # bytes, from a page: the names of all robots of a match
 MAX_CONNECTIONS = 200  # open at one time, so that strangers cannot take all files that the match needs
 JOINING = EndpointSettings(connections=16)  # at one time, to where a submission or all people join
 

@@ -4,6 +4,7 @@ import { expect, test } from "vitest";
 import { Clock } from "../src/play/clock";
 import { TurnLimit } from "../src/play/controls";
 import { SeenCourse } from "../src/play/live_course";
+import { countsOfRobots } from "../src/play/lobby";
 import { type Begin, FRAMES, type Now, ON_GROUND, type Own, Rows } from "../src/play/messages";
 import { type Held, Prediction } from "../src/play/prediction";
 import { DEFAULTS, settingsOf } from "../src/play/settings";
@@ -322,4 +323,10 @@ test("a spectator is told of rows by what has changed of them", () => {
   rows.take({ ...moment, moved: [[0, 0b100001, 50, -20]], left: [1] });
   expect(rows.of(0)).toMatchObject({ x: 1.5, z: 2, yaw: 90, health: 80, clip: 30, supplies: 5 });
   expect(rows.of(1)).toBeNull();
+});
+
+test("a host can choose up to eight robots, and as many as there are", () => {
+  expect(countsOfRobots(3)).toHaveLength(9);
+  expect(countsOfRobots(3).slice(0, 3)).toEqual(["no robots", "1 robot", "2 robots"]);
+  expect(countsOfRobots(10).at(-1)).toBe("10 robots");
 });

@@ -36,3 +36,14 @@ def test_nobody_takes_the_name_of_another(text: str) -> None:
 
 def test_a_robot_that_plays_for_somebody_has_its_own_name() -> None:
     assert lobby().names(absent=[1]) == ("person 1", "fighter-easy 1", "person 3", "fighter-easy 2")
+
+
+@pytest.mark.parametrize(("present", "most"), [(1, 8), (10, 10)])
+def test_the_host_chooses_eight_robots_at_most_unless_more_are_there(present: int, most: int) -> None:
+    people = Lobby(small_plan("battle", opponents=("walker",) * present), Links(1))
+
+    people.arrange(0, ["fighter"] * most, new_map=True)
+    with pytest.raises(LobbyError, match=f"at most {most} robots can play"):
+        people.arrange(0, ["fighter"] * (most + 1), new_map=True)
+
+    assert people.begin().robots == ("fighter",) * most

@@ -144,6 +144,13 @@ def test_what_does_not_fit_is_said_and_nothing_is_written(
     assert not (tmp_path / "agent").exists()
 
 
+@pytest.mark.parametrize("option", ["--track", "--option", "--choose", "--activation"])
+def test_without_a_policy_its_options_are_refused(option: str, tmp_path: Path) -> None:
+    done = init(tmp_path / "agent", option, "x")
+    assert str(done.exception) == "--track, --option, --choose and --activation are for --from-policy"
+    assert not (tmp_path / "agent").exists()
+
+
 @pytest.mark.parametrize(
     ("name", "content", "message"),
     [

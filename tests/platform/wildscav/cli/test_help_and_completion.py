@@ -224,6 +224,7 @@ WRONG = [
     "season key public {binary}",
     "serve --listen nonsense",
     "serve --listen 0.0.0.0:0",
+    "serve --metrics-port 65535 --workers 2",
     "serve --organizer-token-file {nothing}",
     "serve --listen unix:/dev/null/socket",
     "serve --tls-cert {file} --tls-key {file}",

@@ -9,6 +9,7 @@ from tests.platform.wildscav.harness.played_seats import PlayedSeat, played
 from tests.scripted_model import Answer, Call, Failed, Late, Said, called, cut, disturbed, in_turn, said
 
 from wildscav.harness.answers import read_answer
+from wildscav.harness.log import Log
 from wildscav.harness.spending import Ending
 from wildscav.notes import begin_step
 
@@ -168,3 +169,11 @@ def test_the_log_has_every_request_and_answer_and_never_the_key(tmp_path: Path) 
             messages = messages[: line["kept"]] + line["messages"]
     assert len(messages) == len(went.requests[-1]["messages"])
     assert "base64" not in text
+
+
+@pytest.mark.parametrize("placeholder", ["", "0", "x", "null", "EMPTY"])
+def test_a_placeholder_for_a_key_leaves_the_log_as_it_is(tmp_path: Path, placeholder: str) -> None:
+    Log(tmp_path / "model.jsonl", placeholder).answered({"text": "EMPTY x 0", "calls": None}, 1.0)
+
+    line = json.loads((tmp_path / "model.jsonl").read_text("utf-8"))
+    assert line["answer"] == {"text": "EMPTY x 0", "calls": None}

@@ -7,7 +7,7 @@ import { remember, remembered } from "./settings";
 const WHERE = { here: "here", away: "not connected", expected: "not here yet" };
 const COPIED = 1600; // ms
 const NAME = "name"; // the key under which a chosen name is kept for the next game
-const MAX_ROBOTS = 8;
+const MAX_ROBOTS = 8; // that the host can choose, unless there are more already
 
 export class Lobby {
   private readonly list: HTMLElement;
@@ -38,10 +38,6 @@ export class Lobby {
     this.robots = make("select", { ariaLabel: "Robots", onchange: arrange });
     this.kind = make("select", { ariaLabel: "Kind of robots", onchange: arrange });
     this.newMap = make("input", { type: "checkbox", onchange: arrange });
-    for (let count = 0; count <= MAX_ROBOTS; count += 1) {
-      const value = String(count);
-      this.robots.append(make("option", { value }, count === 1 ? "1 robot" : `${count || "no"} robots`));
-    }
   }
 
   // Take what the server says of everybody; seat is one's own.
@@ -124,7 +120,8 @@ export class Lobby {
     const kind = this.kind.value; // of no robots
     this.kind.replaceChildren(...values.map((value, index) => make("option", { value }, titles[index])));
     this.kind.value = mixed ? values[0] : (robots[0] ?? (kinds.includes(kind) ? kind : kinds[0]));
-    this.robots.value = String(robots.length);
+    this.robots.replaceChildren(...countsOfRobots(robots.length).map((title) => make("option", {}, title)));
+    this.robots.selectedIndex = robots.length;
     this.newMap.checked = newMap;
     const others = opponents.slice(0, opponents.length - robots.length);
     const first = others.length ? `${others.join(", ")}, ` : "";
@@ -140,7 +137,7 @@ export class Lobby {
   private arrange(): void {
     const kinds = this.kind.value.split(",");
     const robots = Array.from(
-      { length: Number(this.robots.value) },
+      { length: this.robots.selectedIndex },
       (_, index) => kinds[index % kinds.length],
     );
     this.send({ kind: "arrange", robots, new_map: this.newMap.checked });
@@ -174,6 +171,13 @@ export class Lobby {
     };
     return make("button", { type: "button", textContent: isFree ? "New link" : "Free", title, onclick });
   }
+}
+
+// The titles of the numbers of robots, from none up, that the host can choose while there are some.
+export function countsOfRobots(present: number): string[] {
+  return Array.from({ length: Math.max(MAX_ROBOTS, present) + 1 }, (_, count) =>
+    count === 1 ? "1 robot" : `${count || "no"} robots`,
+  );
 }
 
 // A line of the list of people; seat is one's own.
