@@ -78,7 +78,7 @@ TRAINING = {
             "random_maps": 256,
             "frames_per_action": 10,
             "sensors": {"sights": {}, **GATHERER},
-            "rewards": {"supplies": 0.06, "hit": 0.3, "kill": 1},
+            "rewards": {"supply_found": 1, "hit": 0.3, "kill": 1},
         },
         FEW_STEPS,
         Choose.DETERMINISTIC,
