@@ -1,10 +1,12 @@
-"""Addresses to listen on: ``unix:/path`` or ``host:port``."""
+"""Addresses to listen on, ``unix:/path`` or ``host:port``, and those of sites."""
 
 import contextlib
 import errno
 import ipaddress
+import re
 import socket
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from wildscav.errors import AddressInUseError, UserError
 
@@ -99,3 +101,13 @@ def is_public(address: str) -> bool:
     with contextlib.suppress(ValueError):
         return not ipaddress.ip_address(host).is_loopback
     return True
+
+
+def is_site(text: str) -> bool:
+    """Return whether a text is the URL of a site, perhaps with a path, to which links can be added."""
+    try:
+        parts = urlsplit(text)
+        has_host = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+    except ValueError:
+        return False
+    return has_host and re.search(r"[\s?#@{}]", text) is None
