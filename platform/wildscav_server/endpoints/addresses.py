@@ -34,6 +34,8 @@ def _bind_path(address: str, path: Path) -> socket.socket:
         raise UserError(f"{address}: the path of a socket may have at most {PATH_LIMIT} bytes", exit_code=2)
     if not path.parent.is_dir():
         raise UserError(f"{address}: there is no folder {path.parent}", exit_code=2)
+    if path.exists() and not path.is_socket():
+        raise UserError(f"{address}: {path} exists, and is not a socket", exit_code=2)
     if path.exists() and not _is_left_behind(path):
         raise AddressInUseError(address)
     bound = socket.socket(socket.AF_UNIX)
@@ -55,7 +57,7 @@ def _is_left_behind(path: Path) -> bool:
     """
     with socket.socket(socket.AF_UNIX) as probe:
         probe.setblocking(False)
-        return path.is_socket() and probe.connect_ex(str(path)) == errno.ECONNREFUSED
+        return probe.connect_ex(str(path)) == errno.ECONNREFUSED
 
 
 def _bind_port(address: str) -> list[socket.socket]:
