@@ -55,7 +55,7 @@ def mcp(
     Assistants start this command themselves: give it to them as a server. It prints to standard error alone.
     """
     from wildscav.terminal.console import console
-    from wildscav_server.endpoints.addresses import UNIX, is_public
+    from wildscav_server.endpoints.addresses import UNIX, is_public, is_site
     from wildscav_server.serve import read_token
 
     console.stderr = True
@@ -66,7 +66,7 @@ def mcp(
             raise UserError(
                 "--token-file and --site are for --http: standard input has one client", exit_code=2
             )
-    elif site is not None and not urlsplit(site).hostname:
+    elif site is not None and not is_site(site):
         raise UserError(f"--site is {site}, must be a URL such as https://arena.example", exit_code=2)
     elif http.startswith(UNIX):
         raise UserError(f"--http is {http}, must be HOST:PORT", exit_code=2)

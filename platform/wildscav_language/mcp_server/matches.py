@@ -1,6 +1,7 @@
 """Matches that clients play by words: hosted by the match server, which waits for them, and recorded."""
 
 import asyncio
+import contextlib
 import secrets
 from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -120,25 +121,31 @@ class ClientsMatch:
             if isinstance(ended, Exception) and not isinstance(ended, WildscavError):
                 error_console.print(f"{self.id}: a seat failed: {ended!r}", markup=False)
 
+    @property
+    def free_seats(self) -> list[ClientSeat]:
+        """The seats that a client can still take."""
+        return [seat for seat in self.seats if not seat.is_taken and not self.hosted.seats[seat.number].gone]
+
     def next_seat(self) -> ClientSeat:
         """Take the next free seat.
 
         Raises:
             UserError: There is none.
         """
-        for seat in self.seats:
-            if not seat.is_taken and not self.hosted.seats[seat.number].gone:
-                seat.is_taken = True
-                return seat
+        for seat in self.free_seats:
+            seat.is_taken = True
+            return seat
         raise UserError(f"{self.id} has no free seat for a client")
 
     def note(self, seat: ClientSeat, text: str) -> None:
         """Add what a seat's client thinks, calls or is answered to what replays of the match show of it."""
         line = note_line(seat.words.step, say=text[:LONGEST_TEXT])
         seat.noted += len(line.encode())
+        log = self.folder / f"match.seat-{seat.number}.log"
         if seat.noted <= MOST_NOTES:
-            with (self.folder / f"match.seat-{seat.number}.log").open("a", encoding="utf-8") as log:
-                log.write(line)
+            # Calls are answered even if the folder has been removed.
+            with contextlib.suppress(OSError), log.open("a", encoding="utf-8") as file:
+                file.write(line)
 
     def leave(self, seat: ClientSeat) -> None:
         """Let a seat stand still from now on."""

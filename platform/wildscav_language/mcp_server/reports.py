@@ -24,7 +24,7 @@ def state(match: ClientsMatch) -> str:
     """Return a line on a match, with nothing that opens a seat of it."""
     seconds = match.hosted.match.frame * FRAME
     how = "over" if match.result else match.failure or f"played for {seconds:.1f} s of game time"
-    free = sum(not seat.is_taken for seat in match.seats) if match.is_open else 0
+    free = len(match.free_seats) if match.is_open else 0
     names = ", ".join(f'"{name}"' for name in match.hosted.names)
     joining = f"; {free} free for clients with the join code" if free else ""
     return f"{match.id}: {how}; seats {names}{joining}"

@@ -1,10 +1,12 @@
-"""Addresses to listen on: ``unix:/path`` or ``host:port``."""
+"""Addresses to listen on, ``unix:/path`` or ``host:port``, and those of sites."""
 
 import contextlib
 import errno
 import ipaddress
+import re
 import socket
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from wildscav.errors import AddressInUseError, UserError
 
@@ -32,6 +34,8 @@ def _bind_path(address: str, path: Path) -> socket.socket:
         raise UserError(f"{address}: the path of a socket may have at most {PATH_LIMIT} bytes", exit_code=2)
     if not path.parent.is_dir():
         raise UserError(f"{address}: there is no folder {path.parent}", exit_code=2)
+    if path.exists() and not path.is_socket():
+        raise UserError(f"{address}: {path} exists, and is not a socket", exit_code=2)
     if path.exists() and not _is_left_behind(path):
         raise AddressInUseError(address)
     bound = socket.socket(socket.AF_UNIX)
@@ -53,7 +57,7 @@ def _is_left_behind(path: Path) -> bool:
     """
     with socket.socket(socket.AF_UNIX) as probe:
         probe.setblocking(False)
-        return path.is_socket() and probe.connect_ex(str(path)) == errno.ECONNREFUSED
+        return probe.connect_ex(str(path)) == errno.ECONNREFUSED
 
 
 def _bind_port(address: str) -> list[socket.socket]:
@@ -99,3 +103,13 @@ def is_public(address: str) -> bool:
     with contextlib.suppress(ValueError):
         return not ipaddress.ip_address(host).is_loopback
     return True
+
+
+def is_site(text: str) -> bool:
+    """Return whether a text is the URL of a site, perhaps with a path, to which links can be added."""
+    try:
+        parts = urlsplit(text)
+        has_host = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+    except ValueError:
+        return False
+    return has_host and re.search(r"[\s?#@{}]", text) is None

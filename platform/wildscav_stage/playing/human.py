@@ -16,6 +16,7 @@ import typer
 from wildscav.cli.shared_options import RulesOption, takes
 from wildscav.errors import UserError
 from wildscav.system.output_folders import check_folder
+from wildscav.system.ports import check_port
 
 if TYPE_CHECKING:
     from wildscav_stage.playing.plan import Plan
@@ -49,9 +50,10 @@ class Serving:
     browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True
 
     def checked(self) -> "Serving":
-        """Return this with the address of the proxy as links have it; UserError if it is none."""
+        """Return this with the proxy's address as links have it; UserError if it or the port is wrong."""
         from wildscav_stage.playing.links import checked_public_url
 
+        check_port(self.host, self.port)  # before anything is compiled
         url = self.public_url
         return self if url is None else replace(self, public_url=checked_public_url(url))
 

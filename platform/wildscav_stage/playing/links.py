@@ -7,6 +7,7 @@ from urllib.parse import urlsplit
 
 from wildscav.errors import UserError
 from wildscav_engine.view.web import LOOPBACK, link_to
+from wildscav_server.endpoints.addresses import is_site
 
 WILDCARDS = ("0.0.0.0", "::")  # noqa: S104 - only compared
 ELSEWHERE = ("192.0.2.1", 9)  # an address of documentation, to which nothing is ever sent
@@ -104,12 +105,7 @@ def checked_public_url(text: str) -> str:
     Raises:
         UserError: It is none.
     """
-    try:
-        parts = urlsplit(text)
-        valid = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
-    except ValueError:
-        valid = False
-    if not valid or parts.path not in ("", "/") or parts.query or parts.fragment or "@" in parts.netloc:
+    if not is_site(text) or (parts := urlsplit(text)).path not in ("", "/"):
         raise UserError(
             f"--public-url is {text!r}, must be like https://play.example.org, without a path", exit_code=2
         )

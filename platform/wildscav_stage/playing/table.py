@@ -7,9 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wildscav.errors import WildscavError, describe
+from wildscav.errors import describe
 from wildscav.terminal.console import command
-from wildscav_engine.simulation.match import MatchSetupError
 from wildscav_engine.simulation.robots.decide import ROBOTS
 from wildscav_engine.specs.actions import Field
 from wildscav_engine.specs.rules import FRAMES_PER_SECOND
@@ -228,9 +227,7 @@ class Table:
         self._change({"kind": "preparing"})
         try:
             await self._play()
-        except (WildscavError, MatchSetupError) as error:
-            self._fail(str(error))
-        except OSError as error:
+        except Exception as error:  # noqa: BLE001 - pages are told of any, and may start another match
             self._fail(describe(error))
         finally:
             self._playing = frozenset()

@@ -16,7 +16,7 @@ from tests.platform.language.mcp_server.clients import SMALL, Player, at_server,
 
 from wildscav.errors import UserError
 from wildscav_engine.record import read_record, verify_record
-from wildscav_language.mcp_server import desk, matches
+from wildscav_language.mcp_server import desk, matches, reports
 from wildscav_language.mcp_server.desk import Desk
 from wildscav_language.mcp_server.matches import Bounds, serving
 from wildscav_language.mcp_server.requests import StartMatch
@@ -235,6 +235,19 @@ def test_a_match_that_is_being_made_takes_a_place_and_is_left_if_its_client_give
             return match.hosted.seats[0].conduct.detail
 
     assert asyncio.run(play()) == "its client left the match"
+
+
+def test_a_closed_seat_is_not_free_and_a_removed_folder_costs_no_call(tmp_path: Path) -> None:
+    async def play() -> str:
+        async with serving(tmp_path, Bounds()) as matches:
+            match = await matches.start(StartMatch.model_validate(SMALL | {"clients": 2}))
+            match.hosted.give_up(1, "nobody came")
+            match.next_seat()
+            match.folder.rmdir()
+            match.note(match.seats[0], "I go.")
+            return reports.state(match)
+
+    assert "free" not in asyncio.run(play())
 
 
 @pytest.mark.parametrize("name", ["rules", "picture", "observe"])

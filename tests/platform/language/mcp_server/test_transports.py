@@ -118,6 +118,9 @@ def test_an_interrupted_server_answers_open_calls_and_keeps_the_records(tmp_path
     [
         (["--http", "unix:/tmp/arena"], "must be HOST:PORT"),
         (["--http", "127.0.0.1:0", "--site", "arena.example"], "must be a URL"),
+        (["--http", "127.0.0.1:0", "--site", "http://[::1"], "must be a URL"),
+        (["--http", "127.0.0.1:0", "--site", "ftp://arena.example"], "must be a URL"),
+        (["--http", "127.0.0.1:0", "--site", "http://arena.example/{x}"], "must be a URL"),
         (["--site", "https://arena.example"], "standard input has one client"),
     ],
 )

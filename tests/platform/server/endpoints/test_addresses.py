@@ -68,7 +68,11 @@ def test_a_port_in_use_is_an_error() -> None:
 
 
 @pytest.mark.parametrize(
-    "address", ["50051", "localhost:x", "unix:/no/such/folder/socket", "unix:/tmp/" + "x" * 120]
+    "address",
+    [
+        *("50051", "localhost:x", "unix:/no/such/folder/socket", "unix:/tmp/" + "x" * 120),
+        *("unix:", "unix:/tmp", f"unix:{__file__}"),
+    ],
 )
 def test_a_malformed_address_is_a_usage_error(address: str) -> None:
     with pytest.raises(UserError) as caught:

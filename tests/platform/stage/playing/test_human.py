@@ -1,6 +1,7 @@
 """``wildscav human`` from the shell."""
 
 import signal
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,9 @@ from urllib.request import ProxyHandler, build_opener
 
 import pytest
 from tests.commands import run_command
+
+from wildscav.errors import UserError
+from wildscav_stage.playing.human import Serving
 
 COMMAND = (sys.executable, "-m", "wildscav.cli.main", "human", "--no-browser")
 
@@ -29,6 +33,11 @@ def test_what_is_not_possible_is_one_line(options: tuple[str, ...], message: str
     assert done.returncode == 2
     assert done.stderr.startswith(f"wildscav: {message}")
     assert done.stderr.count("\n") == 1
+
+
+def test_a_port_that_is_taken_is_said_before_anything_is_compiled() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken, pytest.raises(UserError, match="cannot be used"):
+        Serving(port=taken.getsockname()[1]).checked()
 
 
 @pytest.mark.slow

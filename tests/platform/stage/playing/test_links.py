@@ -62,6 +62,8 @@ def test_links_of_the_loopback_interface_are_for_this_machine_only() -> None:
         "https://a/?b",
         "https://u@a",
         "http://a:x",
+        "http://ex ample",
+        "http://[::1",
     ],
 )
 def test_what_is_no_url_of_a_proxy_is_said(text: str) -> None:

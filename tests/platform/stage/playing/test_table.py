@@ -10,6 +10,7 @@ from tests.platform.stage.playing.tables import at_table
 from websockets.exceptions import ConnectionClosed
 
 from wildscav_engine.record import read_record, verify_record
+from wildscav_stage.playing import table
 from wildscav_stage.playing.links import Addresses
 from wildscav_stage.playing.page import MAX_UNSEEN
 from wildscav_stage.viewer_files import versioned
@@ -86,7 +87,7 @@ async def test_whoever_opens_the_link_again_goes_on_there(person: PageClient, li
 
 
 @pytest.mark.parametrize(
-    ("message", "code"), [('{"kind": "input", "number": 1, "forward": 2}', 1003), ("x" * 5000, 1009)]
+    ("message", "code"), [('{"kind": "input", "number": 1, "forward": 2}', 1003), ("x" * 40_000, 1009)]
 )
 @at_table()
 async def test_a_page_that_sends_anything_else_is_closed(person: PageClient, message: str, code: int) -> None:
@@ -114,3 +115,13 @@ async def test_pages_load_nothing_from_elsewhere_and_name_the_version_of_their_s
     assert f'src="../static/viewer/{versioned("play.js")}"'.encode() in content
     style = f"{links.host.partition('/play/')[0]}/static/play.css"
     assert b"://" not in (await asyncio.to_thread(ask, style))[1]
+
+
+@at_table()
+async def test_a_page_is_told_of_any_failure(person: PageClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise RuntimeError("a mistake of ours")
+
+    monkeypatch.setattr(table, "hosted_match", fail)
+    await person.send(kind="start")
+    assert (await person.until("failed"))["message"] == "a mistake of ours"

@@ -173,6 +173,7 @@ WRONG = [
     "mcp --out {file}",
     "mcp --http 0.0.0.0:0",
     "mcp --http nonsense",
+    "mcp --http 127.0.0.1:0 --site http://[::1",
     "mcp --token-file {file}",
     "play {nothing}",
     "play {file}",
