@@ -75,7 +75,7 @@ async def _agent(
     seat: int, folder: Path, hosted: "HostedMatch", address: str, log: Path
 ) -> AsyncIterator[None]:
     own = {ADDRESS_VARIABLE: address, TOKEN_VARIABLE: hosted.tokens[seat]}
-    with log.open("ab") as file:  # after what the matches before have left there
+    with log.open("wb") as file:
         process = await asyncio.create_subprocess_exec(
             *(sys.executable, "-m", "wildscav.sdk", str(folder)),
             env=os.environ | own,

@@ -44,11 +44,8 @@ def test_a_match_goes_on_without_a_submission_that_fails(tmp_path: Path) -> None
     folder.mkdir()
     (folder / "submission.toml").write_text(MANIFEST.format(name="broken"))
     (folder / "agent.py").write_text("import does_not_exist\n")
-    (tmp_path / "1-broken.log").write_text("of the match before\n")
 
     record, _ = play_against(folder, tmp_path)
     assert record.result.seats[1].walked == 0.0
     assert record.steps == 150  # all 3 s of it
-    log = (tmp_path / "1-broken.log").read_text()
-    assert log.startswith("of the match before\n")
-    assert "does_not_exist" in log
+    assert "does_not_exist" in (tmp_path / "1-broken.log").read_text()
