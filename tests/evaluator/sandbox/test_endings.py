@@ -29,7 +29,7 @@ from wildscav_evaluator.sandbox.linux import bubblewrap, cgroup
 from wildscav_evaluator.sandbox.linux.kernel_log import logged_kill
 from wildscav_evaluator.submissions.submission import Submission
 
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+pytestmark = pytest.mark.slow
 
 
 def run(sandbox: Sandbox, submission: Submission, folder: Path, lasts: float = 60.0) -> tuple[Ending, str]:

@@ -22,7 +22,7 @@ from wildscav_evaluator.sandbox.containers.container_engine import OWNER, call, 
 from wildscav_evaluator.submissions.submission import Submission
 from wildscav_server import leftovers
 
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+pytestmark = pytest.mark.slow
 
 KILLS = 3  # more are a run by hand
 

@@ -25,7 +25,7 @@ from wildscav_evaluator.submissions.images import (
 from wildscav_evaluator.submissions.submission import Submission, load_submission
 from wildscav_server.hosting.manifest import SubmissionError
 
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module", autouse=True, params=ENGINES)

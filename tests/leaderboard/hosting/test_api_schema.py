@@ -10,7 +10,7 @@ from tests.leaderboard.hosting.clients import Site, serving_filled
 
 schemathesis = pytest.importorskip("schemathesis", reason="needs schemathesis: pip install schemathesis")
 checks = pytest.importorskip("schemathesis.specs.openapi.checks")
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+pytestmark = pytest.mark.slow
 EXAMPLES = 8  # of each operation
 CHECKS = [
     pytest.importorskip("schemathesis.checks").not_a_server_error,

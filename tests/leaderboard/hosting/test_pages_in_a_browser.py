@@ -12,7 +12,7 @@ from tests.leaderboard.hosting.clients import Site, copied_database, serving_fil
 
 from wildscav_leaderboard.submissions.packing import pack
 
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+pytestmark = pytest.mark.slow
 PAGES = {  # by who looks at them
     "visitor": (
         *("/", "/boards/navigation", "/boards/battle/head-to-head", "/teams/newts", "/matches"),

@@ -19,7 +19,7 @@ PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobil
 
 __all__ = ["browser"]
 
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+pytestmark = pytest.mark.slow
 
 
 def face_to_face(people: int = 1, opponents: tuple[str, ...] = (), seconds: float = 7.0) -> Plan:

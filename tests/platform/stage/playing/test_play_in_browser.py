@@ -22,7 +22,7 @@ KEY_TURN = 110.0  # degrees per second, likewise
 
 __all__ = ["browser"]
 
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+pytestmark = pytest.mark.slow
 
 
 class Hands:
@@ -77,7 +77,7 @@ PRESSES = """async ([code, element, name]) => {
   const send = (kind) => dispatchEvent(new KeyboardEvent(kind, { code }));
   const shown = () => document.querySelector(element).dataset[name];
   const delays = [];
-  for (let press = 0; press < 5; press++) {
+  for (let press = 0; press < 7; press++) {
     const [before, began] = [shown(), performance.now()];
     send("keydown");
     while (shown() === before) await new Promise(requestAnimationFrame);
@@ -85,7 +85,7 @@ PRESSES = """async ([code, element, name]) => {
     delays.push(performance.now() - began);
     await wait(150);
     send("keyup");
-    await wait(400);
+    await wait(700);
   }
   return delays;
 }"""

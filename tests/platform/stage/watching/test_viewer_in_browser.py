@@ -21,7 +21,7 @@ from wildscav_stage.scene.trails import trails_of
 from wildscav_stage.watching.match_page import scene_of, whole_page
 from wildscav_stage.watching.match_site import match_site
 
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+pytestmark = pytest.mark.slow
 
 Records = Callable[[str], Path]
 PATIENCE = 60_000  # ms, with software that draws

@@ -120,7 +120,10 @@ export class Lobby {
     const kind = this.kind.value; // of no robots
     this.kind.replaceChildren(...values.map((value, index) => make("option", { value }, titles[index])));
     this.kind.value = mixed ? values[0] : (robots[0] ?? (kinds.includes(kind) ? kind : kinds[0]));
-    this.robots.replaceChildren(...countsOfRobots(robots.length).map((title) => make("option", {}, title)));
+    const counts = countsOfRobots(robots.length);
+    this.robots.replaceChildren(
+      ...counts.map((title, count) => make("option", { value: `${count}` }, title)),
+    );
     this.robots.selectedIndex = robots.length;
     this.newMap.checked = newMap;
     const others = opponents.slice(0, opponents.length - robots.length);
