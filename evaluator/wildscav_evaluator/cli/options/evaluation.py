@@ -189,7 +189,8 @@ class PlayOptions:
 
         check_interface(submissions, self.interface)
         if self.secret is not None:
-            check_hidden("--secret", self.secret, (one.folder for one in submissions))
+            own = () if self.out is None else (self.out,)  # which --fresh empties, besides
+            check_hidden("--secret", self.secret, (*own, *(one.folder for one in submissions)))
         seed, out = suite_seed(self.seed, self.secret), self.out or parent
         key, model = signing_key(self.sign, out, submissions), chosen_model(self.model, submissions)
         with executor_of(self.executor, self.address, self.workers) as machines:

@@ -143,6 +143,7 @@ def test_a_record_with_one_action_changed_no_longer_holds(
         (["{walker}", "--track", "battle"], 2, "'walker' does not play battle"),
         (["{walker}", "{walker}"], 2, "submission 'walker' is named twice"),
         (["{walker}", "--secret", "{walker}/agent.py"], 2, "walker, where others can see it: move it"),
+        (["{walker}", "--out", "mine", "--secret", "mine/seed"], 2, "mine, where others can see it: move it"),
         (["{walker}", "--out", "{walker}"], 2, "walker is the folder of a submission"),
         (["{walker}", "--out", "{walker}/out/deep"], 2, "walker/out/deep is in the folder of a submission"),
         (["{walker}", "--interface", "words"], 2, "'walker' plays by numbers, as its submission.toml says"),
