@@ -10,7 +10,6 @@ from typing import Any, Literal
 from wildscav.sdk.submission_folder import MANIFEST
 from wildscav_evaluator.submission_files import (
     LEFT_OUT,
-    copy_files,
     is_executable,
     submission_files,
 )
@@ -122,14 +121,6 @@ def _check_command(path: Path, program: str, files: Sequence[Path]) -> None:
 def folder_digest(folder: Path) -> str:
     """Return a digest of the files of a submission: their paths, their contents, and which are executable."""
     return _digest_of(dict(_hashed_files(folder)))
-
-
-def copy_unchanged(submission: Submission, place: Path) -> Path:
-    """Copy a submission's files into a new folder in a place; SubmissionError if they were changed."""
-    copy = copy_files(submission.folder, place / submission.folder.name)
-    if folder_digest(copy) != submission.digest:
-        raise SubmissionError(f"{submission.folder} was changed since this command began")
-    return copy
 
 
 def _digest_of(files: Mapping[bytes, str]) -> str:

@@ -38,8 +38,6 @@ from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.numbered_folders import OUT
 from wildscav_evaluator.output.results import Results, read_results, write_results
 from wildscav_evaluator.plans.plan import Plan
-from wildscav_evaluator.submissions.submission import copy_unchanged
-from wildscav_server.leftovers import temporary_folder
 from wildscav_server.time_limits import Clock
 
 
@@ -101,7 +99,6 @@ def _play(
         longest = _longest(waiting)
         console.print(f"a match lasts at most {duration(longest)} by its agents' time limits")
         with ExitStack() as stack:
-            waiting = stack.enter_context(_from_copies(waiting))
             with preparing(console):
                 players = stack.enter_context(executor.players(waiting, lock))
             with monitor.shown():
@@ -109,26 +106,6 @@ def _play(
                     ledger.end(result)
                     monitor.add(result)
     return list(monitor.tally.done.values())
-
-
-@contextmanager
-def _from_copies(jobs: Sequence[Job]) -> Iterator[list[Job]]:
-    """Yield jobs whose submissions play from copies of their files, which nobody edits meanwhile."""
-    given = {one.folder: one for job in jobs for one in job.submissions if one.image is None}
-    with temporary_folder("submissions-") as place:
-        copies = {
-            folder: copy_unchanged(one, place / str(number))
-            for number, (folder, one) in enumerate(given.items())
-        }
-        yield [
-            replace(
-                job,
-                submissions=tuple(
-                    replace(one, folder=copies.get(one.folder, one.folder)) for one in job.submissions
-                ),
-            )
-            for job in jobs
-        ]
 
 
 def _longest(jobs: Sequence[Job]) -> float:

@@ -4,7 +4,6 @@ import json
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,19 +12,14 @@ import pytest
 from tests.commands import Done, run_command
 from tests.end_to_end.pages import json_documents
 from tests.evaluator.conftest import submission_in
-from tests.evaluator.results_by_hand import identity_of, plan_of, results_of
+from tests.evaluator.results_by_hand import identity_of, results_of
 from tests.evaluator.sample_agents import CRASHER, WALKER, Command, Submit
 from tests.evaluator.small_matches import tiny_suite
 from tests.evaluator.warm_workers import WarmWorkers, playing_with
 
-from wildscav.errors import UserError
 from wildscav_engine.record import read_record, save, verify_record
-from wildscav_evaluator.cli.sessions.evaluate import DASHBOARD_ONLY
-from wildscav_evaluator.cli.sessions.playing import playing, saving_errors
-from wildscav_evaluator.executors.local import LocalExecutor
+from wildscav_evaluator.cli.sessions.playing import saving_errors
 from wildscav_evaluator.ledger.writer import LedgerWriter
-from wildscav_evaluator.matches.jobs import Job
-from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.results import KeptLimits, read_results
 from wildscav_evaluator.submissions.submission import folder_digest
 
@@ -218,29 +212,6 @@ def test_an_edited_agent_is_evaluated_beside_its_former_self(
     assert (since["folder"], since["version"], since["comparison"]["pairs"]) == ("0001-mine", "1.0.0", 7)
     kept = sorted(path.name for path in (tmp_path / "out" / "evaluations").iterdir())
     assert kept == ["0001-mine", "0002-mine", "0003-mine"]
-
-
-def test_an_edit_while_matches_are_played_changes_none_of_them(
-    submit: Submit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    walker, executor = submit("walker", WALKER), LocalExecutor(1)
-    plan, played = plan_of(walker, out=tmp_path / "out"), set[str]()
-
-    def edit_and_play(jobs: Sequence[Job], _: Lock) -> None:
-        (walker.folder / "agent.py").write_text("import time")
-        played.update(folder_digest(one.folder) for job in jobs for one in job.submissions)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(executor, "players", edit_and_play)
-    with pytest.raises(UserError, match="interrupted"), playing(plan, DASHBOARD_ONLY, executor):
-        pass
-    assert played == {walker.digest}
-
-    with (
-        pytest.raises(UserError, match="walker was changed since this command began"),
-        playing(plan, DASHBOARD_ONLY, executor),
-    ):
-        pass
 
 
 def test_a_ledger_that_cannot_be_closed_keeps_no_results_from_being_shown(tmp_path: Path) -> None:
