@@ -132,10 +132,10 @@ class ClientsMatch:
         Raises:
             UserError: There is none.
         """
-        for seat in self.free_seats:
-            seat.is_taken = True
-            return seat
-        raise UserError(f"{self.id} has no free seat for a client")
+        if not (free := self.free_seats):
+            raise UserError(f"{self.id} has no free seat for a client")
+        free[0].is_taken = True
+        return free[0]
 
     def note(self, seat: ClientSeat, text: str) -> None:
         """Add what a seat's client thinks, calls or is answered to what replays of the match show of it."""
