@@ -3,7 +3,7 @@
 import hashlib
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
@@ -29,6 +29,7 @@ class Submission:
     content: str = ""  # digest of what plays: without the labels in the manifest; empty for an image
     image: str | None = None  # the image that it was built into or is
     entered_as: str | None = None  # another name for it, where several submissions have its name
+    files: Mapping[bytes, str] = field(default_factory=dict, repr=False, compare=False)  # digests by path
 
     @property
     def name(self) -> str:
@@ -69,7 +70,26 @@ def load_submission(folder: Path) -> Submission:
     manifest = read_manifest(path)
     _check_program(path, manifest, submission_files(folder))
     files = dict(_hashed_files(folder))
-    return Submission(folder.resolve(), manifest, _digest_of(files), _digest_of(_content(files, manifest)))
+    content = _digest_of(_content(files, manifest))
+    return Submission(folder.resolve(), manifest, _digest_of(files), content, files=files)
+
+
+def check_unchanged(submission: Submission) -> None:
+    """SubmissionError if a file of a submission is no longer as it was read.
+
+    New files are not looked at: agents without a sandbox may write some.
+    """
+    for name, digest in submission.files.items():
+        path = submission.folder / os.fsdecode(name)
+        try:
+            is_same = _file_digest(path) == digest
+        except OSError:
+            is_same = False
+        if not is_same:
+            raise SubmissionError(
+                f"{path} was changed while {submission.name!r} was being played: put it back and run the "
+                "same command again to play the rest, or start over with --fresh"
+            )
 
 
 def _load_archive(archive: Path) -> Submission:
@@ -142,7 +162,10 @@ def _content(files: Mapping[bytes, str], manifest: Manifest) -> dict[bytes, str]
 def _hashed_files(folder: Path) -> Iterator[tuple[bytes, str]]:
     """Yield the path of each file of a submission, and a digest that says whether it is executable."""
     for path in submission_files(folder):
-        with path.open("rb") as file:
-            content = hashlib.file_digest(file, "blake2b").hexdigest()
-        mark = "\0executable" if is_executable(path) else ""
-        yield os.fsencode(path.relative_to(folder).as_posix()), f"{content}{mark}"  # a name need not be UTF-8
+        yield os.fsencode(path.relative_to(folder).as_posix()), _file_digest(path)  # a name need not be UTF-8
+
+
+def _file_digest(path: Path) -> str:
+    with path.open("rb") as file:
+        content = hashlib.file_digest(file, "blake2b").hexdigest()
+    return content + ("\0executable" if is_executable(path) else "")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from wildscav_evaluator.submissions.submission import folder_digest, load_submission
+from wildscav_evaluator.submissions.submission import check_unchanged, folder_digest, load_submission
 from wildscav_server.hosting.manifest import SubmissionError
 
 GOOD = """
@@ -32,6 +32,26 @@ def test_a_good_folder_is_read_whole(tmp_path: Path) -> None:
     assert submission.manifest.tracks == ("navigation",)
     assert submission.manifest.sensors == {"depth": {"width": 64, "height": 36, "far": 200}}
     assert submission.folder.is_absolute()
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda folder: (folder / "agent.py").write_text("class Walker: pass"),
+        lambda folder: (folder / "agent.py").chmod(0o755),
+        lambda folder: (folder / "agent.py").unlink(),
+    ],
+    ids=["changed", "executable", "removed"],
+)
+def test_files_that_change_after_they_were_read_are_found_but_new_ones_may_come(
+    tmp_path: Path, edit: Callable[[Path], object]
+) -> None:
+    submission = load_submission(make(tmp_path))
+    (tmp_path / "notes").write_text("written by the agent")
+    check_unchanged(submission)
+    edit(tmp_path)
+    with pytest.raises(SubmissionError, match=r"agent\.py was changed while 'walker' was being played"):
+        check_unchanged(submission)
 
 
 @pytest.mark.parametrize(

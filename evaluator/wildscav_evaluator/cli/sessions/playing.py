@@ -38,6 +38,7 @@ from wildscav_evaluator.output.lock import Lock
 from wildscav_evaluator.output.numbered_folders import OUT
 from wildscav_evaluator.output.results import Results, read_results, write_results
 from wildscav_evaluator.plans.plan import Plan
+from wildscav_evaluator.submissions.submission import check_unchanged
 from wildscav_server.time_limits import Clock
 
 
@@ -103,7 +104,7 @@ def _play(
                 players = stack.enter_context(executor.players(waiting, lock))
             with monitor.shown():
                 for result in players.run(waiting, *_listeners(ledger, monitor)):
-                    ledger.end(result)
+                    _enter(ledger, result)
                     monitor.add(result)
     return list(monitor.tally.done.values())
 
@@ -129,10 +130,17 @@ def _listeners(
         if isinstance(event, AttemptFailed):
             ledger.broke(job.stem, event.reason)
         elif isinstance(event, RenderingReplay) and event.kept is not None:
-            ledger.end(JobResult(job, *event.kept))  # it counts, whatever becomes of its replay
+            _enter(ledger, JobResult(job, *event.kept))  # it counts, whatever becomes of its replay
         monitor.handle(job, event)
 
     return begin, handle
+
+
+def _enter(ledger: LedgerWriter, result: JobResult) -> None:
+    """Enter how a match ended; SubmissionError if the files of an agent changed since its digest was made."""
+    for submission in {one.folder: one for one in result.job.submissions}.values():
+        check_unchanged(submission)
+    ledger.end(result)
 
 
 def _resumption(done: int, jobs: int) -> str:

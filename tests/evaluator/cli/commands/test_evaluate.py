@@ -214,6 +214,38 @@ def test_an_edited_agent_is_evaluated_beside_its_former_self(
     assert kept == ["0001-mine", "0002-mine", "0003-mine"]
 
 
+EDITS_ITSELF = """
+    def reset(self, match):
+        if os.path.exists("notes"):
+            with open("agent.py", "a") as file:
+                file.write("# better now")
+        open("notes", "w").close()
+"""
+
+
+@pytest.mark.slow
+def test_an_agent_that_is_edited_while_it_plays_is_not_mixed_with_its_former_self(
+    submit: Submit, wildscav: Command, warm_workers: WarmWorkers, tmp_path: Path
+) -> None:
+    folder = submit("mine", EDITS_ITSELF + WALKER).folder
+    agent, out, suite = folder / "agent.py", tmp_path / "out", tiny_suite(tmp_path, maps=2, seconds=2)
+    before = agent.read_text()
+    arguments = ("evaluate", folder, f"--suite={suite}", f"--out={out}", "--workers=1", "--replays=first")
+    with playing_with(warm_workers):
+        done = wildscav(*arguments)
+        changed = wildscav(*arguments)
+        agent.write_text(before)
+        (folder / "notes").unlink()
+        resumed = wildscav(*arguments)
+
+    assert (done.returncode, changed.returncode, resumed.returncode) == (2, 2, 0)
+    assert f"{agent} was changed while 'mine' was being played" in complaint(done)
+    assert "another evaluation" in complaint(changed)
+    assert "1 of 2 matches was played before" in resumed.stdout
+    (one,) = read_results(out / "results.json").evaluations
+    assert (len(one.matches), one.faults) == (2, 0)
+
+
 def test_a_ledger_that_cannot_be_closed_keeps_no_results_from_being_shown(tmp_path: Path) -> None:
     results = results_of("ada")
     ledger = LedgerWriter(tmp_path, identity_of("ada"), None)
