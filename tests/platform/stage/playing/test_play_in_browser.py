@@ -77,7 +77,7 @@ PRESSES = """async ([code, element, name]) => {
   const send = (kind) => dispatchEvent(new KeyboardEvent(kind, { code }));
   const shown = () => document.querySelector(element).dataset[name];
   const delays = [];
-  for (let press = 0; press < 7; press++) {
+  for (let press = 0; press < 3; press++) {
     const [before, began] = [shown(), performance.now()];
     send("keydown");
     while (shown() === before) await new Promise(requestAnimationFrame);
@@ -91,22 +91,21 @@ PRESSES = """async ([code, element, name]) => {
 }"""
 
 
-def test_what_is_pressed_is_seen_within_100_ms_across_a_network_of_50_ms(
-    tmp_path: Path, browser: Any
-) -> None:
+def test_what_is_pressed_is_seen_before_a_far_server_can_answer(tmp_path: Path, browser: Any) -> None:
+    away = 0.25  # s to the server, and as long back
     with (
         table_in_thread(small_plan(time_limit=120.0), tmp_path) as links,
-        far_away(links.host, 0.05) as link,
+        far_away(links.host, away) as link,
         pages(browser) as new_page,
     ):
         page = new_page(viewport={"width": 320, "height": 180})
         start(page, link)
-        page.wait_for_function("Number(document.querySelector('#delay').dataset.ping) >= 100")
+        page.wait_for_function("Number(document.querySelector('#delay').dataset.ping) >= 500")
         walked = page.evaluate(PRESSES, ["KeyW", "#picture", "place"])
         turned = page.evaluate(PRESSES, ["ArrowRight", "#compass", "yaw"])
-        error = page.get_attribute("#delay", "data-error")  # on a busy machine, inputs and messages are late
+        error = page.get_attribute("#delay", "data-error")
         sys.stdout.write(f"key to screen: {walked}, {turned} ms; 95 % expected to {error} m\n")
-    assert max(median(walked), median(turned)) < 100.0
+    assert max(median(walked), median(turned)) < 1000.0 * 2.0 * away
 
 
 def test_a_page_without_gamepads_that_cannot_take_the_mouse_plays(tmp_path: Path, browser: Any) -> None:
