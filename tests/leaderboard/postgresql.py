@@ -76,7 +76,7 @@ class PostgreSQL:
 @contextmanager
 def postgresql_server() -> Iterator[PostgreSQL]:
     """Yield a server that runs, and remove everything of it at the end."""
-    folder = Path(tempfile.mkdtemp(prefix="pg-", dir="/tmp"))  # a socket's path must be short
+    folder = Path(tempfile.mkdtemp(prefix="pg-"))
     try:
         if os.getuid() == 0:
             shutil.chown(folder, USER)

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from tests.unlimited import call_here
 
-from wildscav.system.limited_process import PROCESSOR_TIME
+from wildscav.system.limited_process import PROCESSOR_TIME, call_limited
 from wildscav_evaluator.cache import prune
 from wildscav_evaluator.submissions import archives
 from wildscav_evaluator.submissions.archives import ArchiveError, unpack
@@ -31,6 +31,7 @@ KINDS = ["a.zip", "a.tar.gz"]
 @pytest.fixture(autouse=True)
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("WILDSCAV_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(archives, "call_limited", call_limited)  # which seasons' tests replace for all
     return tmp_path / "cache" / "submissions"
 
 
