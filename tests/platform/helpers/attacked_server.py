@@ -5,10 +5,10 @@ import contextlib
 import functools
 import multiprocessing
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from tests.platform.helpers.hostile_client import END, Attacker, Move
 from tests.platform.helpers.seats import connected, ended, host, small_spec, start_agent
@@ -18,6 +18,7 @@ from wildscav_server.hosting.reports import SeatReport
 from wildscav_server.match_server import MatchServer
 from wildscav_server.time_limits import Clock
 
+Result = TypeVar("Result")
 OUTCOMES = frozenset({"finished", "timed_out", "crashed", "protocol_error", "never_joined"})
 HASTY = Clock(step_budget=0.02, time_bank=0.02, join_timeout=0.1)
 STEPS = 3
@@ -84,6 +85,10 @@ class Siege:
             finally:
                 how = await ended(agent)
             assert how == (0, ""), how
+
+    def meanwhile(self, function: Callable[..., Result], *arguments: Any) -> Result:
+        """Return what a function returns, while the honest agents play on."""
+        return self._runner.run(asyncio.to_thread(function, *arguments))
 
     def attack(self, attacks: Sequence[Sequence[Move]]) -> list[str]:
         """Let clients attack a match of their own each, all at once; return how their streams ended."""

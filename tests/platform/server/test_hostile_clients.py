@@ -42,25 +42,33 @@ CAMPAIGN = 2_500  # attacks that hypothesis draws at a time: it remembers each o
 GROWTH = 40e6  # bytes that may come on top: what the allocator and the tests keep
 
 
-def campaign(siege: Siege, number: int, rounds: int, memories: list[int]) -> None:
-    """Attack with sequences of moves that hypothesis draws, others for each number."""
+def drawn(number: int, rounds: int) -> list[list[list[Move]]]:
+    """Return sequences of moves that hypothesis draws, others for each number: some at once in each round."""
+    found = []
 
     @seed(number)
     @settings(
         max_examples=rounds,
         deadline=None,
-        phases=[Phase.generate],  # to make a failing round smaller takes longer than to read it
+        phases=[Phase.generate],
         database=None,
         suppress_health_check=list(HealthCheck),
     )
     @given(some.lists(ATTACKS, min_size=AT_ONCE, max_size=AT_ONCE))
-    def attack(moves: list[list[Move]]) -> None:
+    def draw(moves: list[list[Move]]) -> None:
+        found.append(moves)
+
+    draw()
+    return found
+
+
+def campaign(siege: Siege, number: int, rounds: int, memories: list[int]) -> None:
+    """Attack with sequences of moves, others for each number."""
+    for moves in siege.meanwhile(drawn, number, rounds):
         endings = set(siege.attack(moves))
-        assert endings <= REASONS | {"", "too large for gRPC"}, endings
+        assert endings <= REASONS | {"", "too large for gRPC"}, (endings, moves)
         gc.collect()
         memories.append(memory())
-
-    attack()
 
 
 @pytest.mark.slow
