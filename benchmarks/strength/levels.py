@@ -29,6 +29,7 @@ from wildscav_engine.maps.levels import LEVELS, Level
 from wildscav_evaluator.scores.overall import across_tracks
 from wildscav_training.learning.run import train
 from wildscav_training.learning.settings import TrainingSettings, changed, preset_settings
+from wildscav_training.learning.start import Start, read_start
 from wildscav_training.learning.submission import policy_submission
 from wildscav_training.opponents import named_agent
 from wildscav_training.trials import SUCCESS, half_width, matches_on, mean, play, rate, wilson
@@ -44,7 +45,7 @@ AGENTS = {  # the last is no agent to compare levels by
     "gathering": ("homing", "hunter", "learned-scavenger", TUNED, "scavenger", "random"),
     "battle": ("homing", "hunter", "scavenger", "learned-commando", TUNED, "commando", "random"),
 }
-REFERENCES = {"gathering": "scavenger", "battle": "commando"}  # the score 1, where 0 is that of ``random``
+REFERENCE = "homing"  # has the score 1, where 0 is that of ``random``
 STEPS = 1_000_000
 MARKS = "x^vDsPo*<>phdX"  # of agents in the picture
 WALLS = {"channels": 2, "azimuths": 32, "range": 8}
@@ -58,6 +59,7 @@ class Recipe(NamedTuple):
     hyperparameters: dict[str, Any]  # those that differ from the preset "tuned"
     choose: Choose = Choose.SAMPLED
     agent: Path | None = None  # what plays the policy, if not the policy alone
+    begins_easy: bool = False  # whether it learns on easy for the first half of the steps
 
 
 # A policy learns more from few steps by many small updates.
@@ -67,22 +69,23 @@ WITH_MEMORY = ROOT / "submissions/learned-scavenger/agent.py"
 TRAINING = {
     "navigation": Recipe({"random_maps": 64, "time_limit": 120, "frames_per_action": 15}, {}),
     "gathering": Recipe(
-        {"preset": "ladder-gathering", "random_maps": 256, "frames_per_action": 10, "sensors": GATHERER},
+        {"preset": "ladder-gathering-v2", "random_maps": 256, "frames_per_action": 10, "sensors": GATHERER},
         FEW_STEPS,
         Choose.DETERMINISTIC,
         WITH_MEMORY,
     ),
     "battle": Recipe(
         {
-            "preset": "ladder-battle",
+            "preset": "ladder-battle-v2",
             "random_maps": 256,
             "frames_per_action": 10,
             "sensors": {"sights": {}, **GATHERER},
-            "rewards": {"supply_found": 1, "hit": 0.3, "kill": 1},
+            "rewards": {"supply_found": 1},
         },
         FEW_STEPS,
         Choose.DETERMINISTIC,
         WITH_MEMORY,
+        begins_easy=True,  # where others are quicker from the start, it does not learn to go to hot spots
     ),
 }
 
@@ -98,18 +101,30 @@ Results = Mapping[tuple[str, str], Any]  # by level and agent
 
 def trained_on(track: str, level: Level, seed: int, out: Path) -> SeatController:
     """Return a policy as a submission; it is trained, or its training goes on, unless that is done."""
-    recipe = TRAINING[track]
-    hyperparameters, options = preset_settings("tuned", track, {"level": level, **recipe.options})
-    hyperparameters = changed(hyperparameters, recipe.hyperparameters)
-    settings = TrainingSettings(track, options, STEPS, seed, hyperparameters)
-    run = (out if track == "navigation" else out / track) / level / f"seed-{seed}"
-    train(settings, run, lambda _: None, resume=True, episodes=1)
+    recipe, folder = TRAINING[track], out if track == "navigation" else out / track
+    if recipe.begins_easy:
+        start, _ = learned(track, "easy", seed, STEPS // 2, folder / "first-half")
+        run, settings = learned(track, level, seed, STEPS // 2, folder, read_start(start / "policy.npz"))
+    else:
+        run, settings = learned(track, level, seed, STEPS, folder)
     files = policy_submission(run, settings, f"tuned-{level}", recipe.choose)
     if recipe.agent is not None:
         files["agent.py"] = recipe.agent.read_bytes()
-    folder = run / "submission"
-    write_files(folder, files)
-    return named_agent(str(folder))
+    write_files(run / "submission", files)
+    return named_agent(str(run / "submission"))
+
+
+def learned(
+    track: str, level: Level, seed: int, steps: int, folder: Path, start: Start | None = None
+) -> tuple[Path, TrainingSettings]:
+    """Train a policy on a level; return the folder of its run, and the settings."""
+    recipe = TRAINING[track]
+    hyperparameters, options = preset_settings("tuned", track, {"level": level, **recipe.options})
+    hyperparameters = changed(hyperparameters, recipe.hyperparameters)
+    settings = TrainingSettings(track, options, steps, seed, hyperparameters, start=start)
+    run = folder / level / f"seed-{seed}"
+    train(settings, run, lambda _: None, resume=True, episodes=1)
+    return run, settings
 
 
 def measured(track: str, level: Level, name: str, seed: int, matches: int, out: Path) -> dict[str, Any]:
@@ -136,11 +151,9 @@ def table(results: Results, track: str, score: str, shown: Callable[[Sequence[fl
     return "\n".join(lines) + "\n"
 
 
-def normalized(results: Results, track: str) -> Results:
+def normalized(results: Results) -> Results:
     """Return the supplies of agents on a scale on which, on easy, ``random`` has 0 and the reference 1."""
-    low, high = (
-        statistics.fmean(results["easy", name]["supplies"]) for name in ("random", REFERENCES[track])
-    )
+    low, high = (statistics.fmean(results["easy", name]["supplies"]) for name in ("random", REFERENCE))
     return {
         which: together(
             [{"supplies": [(each - low) / (high - low) for each in run["supplies"]]} for run in one["runs"]]
@@ -243,9 +256,9 @@ def draw_track(axes: Any, track: str) -> None:
     from matplotlib import colormaps
 
     results, score, title = results_of(track), SUCCESS, "targets reached, %"
-    if track in REFERENCES:
-        results, score = normalized(results, track), "supplies"
-        title = f"supplies, % of those of {REFERENCES[track]} on easy"
+    if track != "navigation":
+        results, score = normalized(results), "supplies"
+        title = f"supplies, % of those of {REFERENCE} on easy"
     names = list(dict.fromkeys(itertools.chain(*AGENTS.values())))
     for agent in AGENTS[track]:
         places = [place for place, level in enumerate(LEVELS) if (level, agent) in results]
@@ -259,7 +272,7 @@ def draw_track(axes: Any, track: str) -> None:
         low, high = ([100.0 * bound[side] for bound in bounds] for side in (0, 1))
         axes.fill_between(places, low, high, alpha=0.12, color=color, linewidth=0)
     axes.set_xticks(range(len(LEVELS)), LEVELS, rotation=45)
-    axes.set_title(title, fontsize=10)
+    axes.set_title(f"{track}: {title}", fontsize=9)
     axes.grid(alpha=0.3)
 
 
@@ -297,7 +310,7 @@ def main(
     if track == "navigation":
         sys.stdout.write(seeds_table(results, SUCCESS))
     else:
-        of_easy = normalized(results, track)
+        of_easy = normalized(results)
         sys.stdout.write(table(of_easy, track, "supplies", mean) + seeds_table(of_easy, "supplies"))
     sys.stdout.write(steps_table(results, track))
     if picture is not None:

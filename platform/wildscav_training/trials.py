@@ -41,8 +41,9 @@ class Estimate(NamedTuple):
 
 
 def matches_on(track: str, level: Level, count: int) -> Iterator[MatchSpec]:
-    """Yield one match on each test map of a level, of the track's ladder or else as environments have it."""
-    ladder = {"preset": f"ladder-{track}"} if f"ladder-{track}" in LADDERS else {}
+    """Yield one match on each test map of a level, of the newest ladder or else as environments have it."""
+    newest = f"ladder-{track}-v2"
+    ladder = {"preset": newest} if newest in LADDERS else {}
     config = read_config(track, {"level": level, **ladder})
     pool = random_maps(GROUND if ladder else level, split="test", size=count)
     for number in range(count):

@@ -197,6 +197,9 @@ def test_a_ladder_has_the_company_of_a_level() -> None:
     assert config.seats == ("submission", *("fighter",) * 9)
     assert (config.rules.bounty, config.time_limit) == (20, 120.0)
     assert SingleEnv("gathering", preset="ladder-gathering", level="easy").config.seats == ("submission",)
+    newer = SingleEnv("battle", preset="ladder-battle-v2", level="brutal").config
+    assert newer.seats == ("submission", *("gatherer-easy",) * 6, *("fighter-easy",) * 3)
+    assert newer.rules == config.rules
     with pytest.raises(ValueError, match=r"^level: Input should be"):
         SingleEnv("battle", preset="ladder-battle", level="hardest")
 

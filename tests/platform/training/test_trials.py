@@ -23,7 +23,7 @@ def test_every_agent_plays_the_same_matches_on_the_test_maps_of_a_level() -> Non
 def test_levels_of_gathering_and_battle_differ_in_the_company_alone() -> None:
     easy, expert = (next(iter(matches_on("battle", level, 1))) for level in ("easy", "expert"))
 
-    assert easy.seats == (SUBMISSION, *("gatherer-easy",) * 9)
+    assert easy.seats == (SUBMISSION, *("walker-easy",) * 3)
     assert expert == easy.model_copy(update={"seats": (SUBMISSION, *("fighter-hard",) * 19)})
     assert next(iter(matches_on("gathering", "easy", 1))).map == easy.map
 

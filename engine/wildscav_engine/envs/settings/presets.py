@@ -2,7 +2,8 @@
 
 A ladder says who else plays on each level, on ground of one kind. The ladders are frozen, like the levels of
 maps: a result on a level can be compared with any other on it. The country and the supplies are the same on
-all levels, much like those of the suites "wild" and "fair".
+all levels, much like those of the suites "wild" and "fair". From level to level of the second versions, a
+policy that has learned on each falls by a quarter of its score on the first at most.
 """
 
 from typing import Any
@@ -74,10 +75,32 @@ COMPANY: dict[str, dict[Level, dict[str, int]]] = {
         "extreme": {"fighter": 4, "fighter-hard": 5},
         "expert": {"fighter-hard": 19},
     },
+    "ladder-gathering-v2": {
+        "easy": {},
+        "normal": {"gatherer-easy": 1},
+        "hard": {"gatherer-easy": 3},
+        "tough": {"gatherer-easy": 9},
+        "severe": {"gatherer-easy": 7, "gatherer": 2},
+        "brutal": {"gatherer-easy": 4, "gatherer": 5},
+        "extreme": {"gatherer-hard": 13},
+        "expert": {"gatherer-hard": 29},
+    },
+    "ladder-battle-v2": {
+        "easy": {"walker-easy": 3},
+        "normal": {"gatherer-easy": 1},
+        "hard": {"gatherer-easy": 3},
+        "tough": {"gatherer-easy": 6},
+        "severe": {"gatherer-easy": 9},
+        "brutal": {"gatherer-easy": 6, "fighter-easy": 3},
+        "extreme": {"fighter": 9},
+        "expert": {"fighter-hard": 19},
+    },
 }
 LADDERS: dict[str, tuple[str, dict[str, Any]]] = {  # of which track, with which options
     "ladder-gathering": ("gathering", COMMON),
     "ladder-battle": ("battle", {**COMMON, "rules": BATTLE_RULES}),
+    "ladder-gathering-v2": ("gathering", COMMON),
+    "ladder-battle-v2": ("battle", {**COMMON, "rules": BATTLE_RULES}),
 }
 
 
