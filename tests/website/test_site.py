@@ -14,13 +14,17 @@ import pytest
 from tests.browsers import chromium
 
 ROOT = Path(__file__).parents[2]
+SITE = ROOT / "out" / "site"
+WRITTEN_LAST = SITE / "search" / "search_index.json"  # by `make docs`
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site, built strictly."""
+    """The site that `make docs` has built, or, if a source was changed since, one that is built here."""
+    if is_newest():
+        return SITE
     folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
@@ -28,6 +32,16 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.returncode == 0, done.stderr
     assert "WARNING" not in done.stderr
     return folder
+
+
+def is_newest() -> bool:
+    """Whether `make docs` has built the site since the last change of any file but those of tests."""
+    if not WRITTEN_LAST.exists():
+        return False
+    command = ("git", "ls-files", "-co", "--exclude-standard", "--", ":!tests")
+    names = subprocess.check_output(command, cwd=ROOT, text=True).splitlines()
+    built = WRITTEN_LAST.stat().st_mtime
+    return all((ROOT / name).exists() and (ROOT / name).stat().st_mtime < built for name in names)
 
 
 class Quiet(SimpleHTTPRequestHandler):
