@@ -1,7 +1,6 @@
 """Files rendered from records: what they hold, that each is rendered once, and what crashes leave."""
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -76,19 +75,6 @@ def left_in_slots(folder: Path) -> list[Path]:
     return [path for path in folder.glob(".slots/*/*") if path.is_file()]
 
 
-@pytest.mark.slow
-def test_what_a_page_needs_comes_from_one_process(cache: RenderCache, record_of_track: Records) -> None:
-    record = record_of_track("battle")
-
-    trails = wait_for(cache, "trails", "m1", record)
-    game_map = cache.progress("map", "m1", Path("gone.wsr"), NOW)
-
-    assert trails.path is not None
-    assert game_map.path is not None
-    assert trails.path.read_bytes() == trails_of(read_record(record)).compressed()
-    assert game_map.path.read_bytes() == map_file(map_of(read_record(record).spec.map))
-
-
 def test_another_map_than_that_of_the_match_is_not_drawn(record_of_track: Records, tmp_path: Path) -> None:
     """After a change of the generator, trails of old matches may be there still, and their maps gone."""
     record = tmp_path / "old.wsr"
@@ -113,20 +99,6 @@ def test_the_map_of_a_match_without_a_record_is_made_from_its_spec(
     assert [path for path in cache.folder.iterdir() if path.is_file()] == [game_map.path]
 
 
-@pytest.mark.slow
-def test_a_replay_is_waited_for_and_then_opens(cache: RenderCache, record_of_track: Records) -> None:
-    record = record_of_track("navigation")
-
-    first = cache.progress("replay", "m1", record, NOW)
-    ready = wait_for(cache, "replay", "m1", record)
-
-    assert first.state in ("waiting", "rendering")
-    assert first.detail
-    assert ready.state == "ready"
-    assert ready.path is not None
-    assert "/agents/seat_0" in RrdReader(ready.path).store().schema().entity_paths()
-
-
 def test_servers_that_share_the_folder_render_a_file_once(tmp_path: Path) -> None:
     before = QuickCache.rendered
     with QuickCache(tmp_path / "shared") as one, QuickCache(tmp_path / "shared") as other:
@@ -139,21 +111,17 @@ def test_servers_that_share_the_folder_render_a_file_once(tmp_path: Path) -> Non
     assert QuickCache.rendered == before + 1
 
 
-@pytest.mark.slow
-def test_the_least_recently_used_goes_first(cache: RenderCache, record_of_track: Records) -> None:
-    record = record_of_track("gathering")
-    first = [wait_for(cache, product, "m1", record).path for product in ("trails", "map")]
-    for path in first:
-        assert path is not None
-        shutil.copy(path, path.with_name(path.name.replace("m1", "m2")))
-    small, large = (path.stat().st_size for path in first if path)
-    cache.limit = 3 * small + 2 * large  # room for the trails of a third match, but not for its map
-    for product, key in (("trails", "m2"), ("map", "m1")):  # used again
-        cache.progress(product, key, record, NOW)
+def test_the_least_recently_used_goes_first(tmp_path: Path) -> None:
+    record = Path("any.wsr")
+    with QuickCache(tmp_path / "full", limit=4500) as cache:  # room for four files
+        for key in ("m1", "m2"):
+            wait_for(cache, "trails", key, record)
+        for product, key in (("trails", "m2"), ("map", "m1")):  # used again
+            cache.progress(product, key, record, NOW)
 
-    wait_for(cache, "trails", "m3", record)
+        wait_for(cache, "trails", "m3", record)
 
-    names = {path.name.partition("-")[0] for path in cache.folder.iterdir() if path.is_file()}
+        names = {path.name.partition("-")[0] for path in cache.folder.iterdir() if path.is_file()}
     assert names == {"m2.trails", "m1.map", "m3.trails", "m3.map"}
 
 
@@ -167,19 +135,24 @@ def test_a_file_larger_than_the_cache_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_failure_says_why_and_is_tried_again_later(
+def test_a_failure_says_why_and_is_tried_again_later_for_all_that_a_page_needs_by_one_process(
     cache: RenderCache, tmp_path: Path, record_of_track: Records
 ) -> None:
     record = tmp_path / "m1.wsr"
     record.write_bytes(b"no record")
     failed = wait_for(cache, "trails", "m1", record)
-    record.write_bytes(record_of_track("capture").read_bytes())
+    record.write_bytes(record_of_track("battle").read_bytes())
 
     assert failed.state == "failed"
     assert failed.detail.startswith("the record: ")
     assert str(tmp_path) not in failed.detail
     assert cache.progress("trails", "m1", record, NOW + timedelta(minutes=4)).state == "failed"
-    assert wait_for(cache, "trails", "m1", record, NOW + timedelta(minutes=5)).state == "ready"
+    trails = wait_for(cache, "trails", "m1", record, NOW + timedelta(minutes=5))
+    game_map = cache.progress("map", "m1", Path("gone.wsr"), NOW + timedelta(minutes=5))
+    assert trails.path is not None
+    assert game_map.path is not None
+    assert trails.path.read_bytes() == trails_of(read_record(record)).compressed()
+    assert game_map.path.read_bytes() == map_file(map_of(read_record(record).spec.map))
 
 
 @pytest.mark.parametrize(
@@ -230,7 +203,9 @@ time.sleep(600)
 
 
 @pytest.mark.slow
-def test_after_a_server_was_killed_the_next_one_renders(tmp_path: Path, record_of_track: Records) -> None:
+def test_after_a_server_was_killed_the_next_one_renders_a_replay_that_is_waited_for_and_then_opens(
+    tmp_path: Path, record_of_track: Records
+) -> None:
     folder, record = tmp_path / "rendered", record_of_track("capture")
     arguments = [sys.executable, "-c", SERVER, str(folder), str(record)]
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server:
@@ -238,8 +213,14 @@ def test_after_a_server_was_killed_the_next_one_renders(tmp_path: Path, record_o
         assert server.stdout.readline() == "rendering\n"
         server.kill()
     with RenderCache(folder) as cache:
-        assert wait_for(cache, "replay", "m1", record).state == "ready"
+        first = cache.progress("replay", "m1", record, NOW)
+        ready = wait_for(cache, "replay", "m1", record)
         assert left_in_slots(folder) == []
+    assert first.state in ("waiting", "rendering")
+    assert first.detail
+    assert ready.state == "ready"
+    assert ready.path is not None
+    assert "/agents/seat_0" in RrdReader(ready.path).store().schema().entity_paths()
 
 
 def test_a_change_of_what_is_rendered_changes_the_names_of_files() -> None:

@@ -32,8 +32,14 @@ FRAME = (
 
 
 @pytest.fixture(scope="module")
-def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
-    with serving_viewer(tmp_path_factory.mktemp("viewer")) as client:
+def viewer(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the compressed files: to compress them takes seconds."""
+    return tmp_path_factory.mktemp("viewer")
+
+
+@pytest.fixture(scope="module")
+def client(viewer: Path) -> Iterator[httpx.Client]:
+    with serving_viewer(viewer) as client:
         yield client
 
 
@@ -82,13 +88,13 @@ def test_there_is_nothing_else(client: httpx.Client, path: str) -> None:
     assert client.get(path).status_code == 404
 
 
-def test_the_files_are_kept_for_the_next_server(tmp_path: Path) -> None:
-    for _ in range(2):
-        with serving_viewer(tmp_path) as client:
-            assert client.get(PATH).status_code == 200
-            made = (tmp_path / VERSION).stat().st_mtime_ns
-    assert (tmp_path / VERSION).stat().st_mtime_ns == made
-    assert [path.name for path in tmp_path.iterdir() if path.name.endswith(".part")] == []
+def test_the_files_are_kept_for_the_next_server(viewer: Path, client: httpx.Client) -> None:
+    assert client.get(PATH).status_code == 200
+    made = (viewer / VERSION).stat().st_mtime_ns
+    with serving_viewer(viewer) as other:
+        assert other.get(PATH).status_code == 200
+    assert (viewer / VERSION).stat().st_mtime_ns == made
+    assert [path.name for path in viewer.iterdir() if path.name.endswith(".part")] == []
 
 
 def test_the_address_carries_the_recording() -> None:
@@ -121,7 +127,7 @@ def colors_of(picture: bytes) -> int:
 
 @pytest.mark.long
 def test_a_browser_shows_the_match_and_asks_nobody_else(
-    tmp_path: Path, record_of_track: Callable[[str], Path]
+    tmp_path: Path, viewer: Path, record_of_track: Callable[[str], Path]
 ) -> None:
     end = time.monotonic() + PATIENCE
     record = record_of_track("battle")
@@ -129,7 +135,7 @@ def test_a_browser_shows_the_match_and_asks_nobody_else(
         while cache.progress("replay", "m1", record, datetime.now(UTC)).state != "ready":
             assert time.monotonic() < end
             time.sleep(0.2)
-        app = application(cache, record, tmp_path / "viewer")
+        app = application(cache, record, viewer)
         with served(app) as address, chromium(*IN_3D) as browser:
             page = browser.new_page(viewport={"width": 640, "height": 400})  # every pixel costs the processor
             answered: dict[str, int] = {}
