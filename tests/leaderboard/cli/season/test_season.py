@@ -62,7 +62,7 @@ def test_a_demo_tells_how_far_it_is_and_how_to_take_part(
 
 @pytest.mark.slow
 def test_a_season_opens_with_a_board_and_ends_with_ctrl_c(tmp_path: Path) -> None:
-    command = [WILDSCAV, "season", "demo", "--no-open", "--matches", "4", "--folder", str(tmp_path / "demo")]
+    command = [WILDSCAV, "season", "demo", "--no-open", "--matches", "1", "--folder", str(tmp_path / "demo")]
     with subprocess.Popen([*command, "--sandbox", "process"], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         said = process.stdout.readline()
