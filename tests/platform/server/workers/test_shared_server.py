@@ -54,10 +54,10 @@ async def join(hosted: HostMatchResponse, called: str) -> asyncio.subprocess.Pro
     return await start_agent("Walker", decode_seat_address(hosted, called), hosted.seat_tokens[0])
 
 
-async def state(arena: ArenaStub, match_id: str) -> GetMatchResponse:
+async def state(arena: ArenaStub, match_id: str, token: Any = None) -> GetMatchResponse:
     """Return how a match stands as soon as it neither waits nor plays."""
     while True:
-        answer: GetMatchResponse = await arena.GetMatch(GetMatchRequest(match_id=match_id))
+        answer: GetMatchResponse = await arena.GetMatch(GetMatchRequest(match_id=match_id), metadata=token)
         if answer.state not in (State.STATE_JOINING, State.STATE_PLAYING):
             return answer
         await asyncio.sleep(0.05)
@@ -73,24 +73,6 @@ async def reason(call: Awaitable[Any]) -> str:
     with pytest.raises(grpc.aio.AioRpcError) as caught:
         await call
     return reason_of(caught.value)
-
-
-@pytest.mark.slow
-def test_matches_are_played_by_the_workers_in_turn_and_joined_there(tmp_path: Path) -> None:
-    async def play(server: SharedServer, address: str, arena: ArenaStub) -> None:
-        hosted = [await arena.HostMatch(request()) for _ in range(2)]
-        assert {decode_seat_address(one, address) for one in hosted} == {
-            worker.seats[0] for worker in server.workers
-        }
-        agents = [await join(one, address) for one in hosted]
-        assert [await ended(agent) for agent in agents] == [(0, ""), (0, "")]
-        for one in hosted:
-            answer = await state(arena, one.match_id)
-            assert (answer.state, answer.steps) == (State.STATE_FINISHED, 20)
-            assert answer.conduct[0].status == "finished"
-            assert answer.record
-
-    shared(f"unix:{tmp_path}/match.sock", play)
 
 
 @pytest.mark.slow
@@ -111,17 +93,19 @@ def test_a_worker_that_dies_fails_its_matches_alone_and_comes_back(tmp_path: Pat
         assert await ended(agents[1]) == (0, "")
         while worker.generation == 1:  # noqa: ASYNC110
             await asyncio.sleep(0.1)
-        again = [await arena.HostMatch(request(seconds=0.5)) for _ in range(2)]
-        assert {one.match_id.partition("-")[0] for one in again} == {"1.2", "2.1"}
-        for one in again:
-            assert await ended(await join(one, address)) == (0, "")
-            assert (await state(arena, one.match_id)).state == State.STATE_FINISHED
+        again = {}
+        for _ in range(2):
+            one = await arena.HostMatch(request(seconds=0.5))
+            again[one.match_id.partition("-")[0]] = one
+        assert again.keys() == {"1.2", "2.1"}
+        assert await ended(await join(again["1.2"], address)) == (0, "")
+        assert (await state(arena, again["1.2"].match_id)).state == State.STATE_FINISHED
 
     shared(f"unix:{tmp_path}/match.sock", play)
 
 
 @pytest.mark.slow
-def test_the_desk_refuses_as_the_workers_do_and_seats_nobody(tmp_path: Path) -> None:
+def test_workers_play_in_turn_what_the_desk_does_not_refuse_and_are_joined_themselves(tmp_path: Path) -> None:
     token = (("authorization", "Bearer correct horse"),)
 
     async def play(server: SharedServer, address: str, arena: ArenaStub) -> None:
@@ -131,12 +115,22 @@ def test_the_desk_refuses_as_the_workers_do_and_seats_nobody(tmp_path: Path) -> 
         for unknown in ("", "x", "1.1-x", "1.7-abc", "9.1-abc", "1.-1-x"):
             ask = GetMatchRequest(match_id=unknown)
             assert await reason(arena.GetMatch(ask, metadata=token)) == "MATCH_UNKNOWN"
-        hosted = await arena.HostMatch(request(), metadata=token)
+        hosted = [await arena.HostMatch(request(), metadata=token) for _ in range(2)]
+        assert {decode_seat_address(one, address) for one in hosted} == {
+            worker.seats[0] for worker in server.workers
+        }
         async with connected(address) as seat:
-            assert await reason(seat.join(hosted.seat_tokens[0])) == "SEAT_TOKEN_UNKNOWN"
+            assert await reason(seat.join(hosted[0].seat_tokens[0])) == "SEAT_TOKEN_UNKNOWN"
         worker = server.workers[0].seats[0]
         async with grpc.aio.insecure_channel(worker) as channel:  # a worker's own address opens no match
             assert await reason(ArenaStub(channel).HostMatch(request(), metadata=token)) == ""
+        agents = [await join(one, address) for one in hosted]
+        assert [await ended(agent) for agent in agents] == [(0, ""), (0, "")]
+        for one in hosted:
+            answer = await state(arena, one.match_id, token)
+            assert (answer.state, answer.steps) == (State.STATE_FINISHED, 20)
+            assert answer.conduct[0].status == "finished"
+            assert answer.record
 
     shared(f"unix:{tmp_path}/match.sock", play, organizer_token="correct horse")  # noqa: S106
 
