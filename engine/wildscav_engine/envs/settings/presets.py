@@ -3,7 +3,7 @@
 A ladder says who else plays on each level, on ground of one kind. The ladders are frozen, like the levels of
 maps: a result on a level can be compared with any other on it. The country and the supplies are the same on
 all levels, much like those of the suites "wild" and "fair". From level to level of the second versions, a
-policy that has learned on each falls by a quarter of its score on the first at most.
+policy that has learned on each falls by at most a quarter of what "homing" carries on the first.
 """
 
 from typing import Any
@@ -53,6 +53,7 @@ COMMON: dict[str, Any] = {
 BATTLE_RULES = NAMED["fair"]._replace(
     spare_ammo=300, respawn_time=15.0, invincible_time=2.0, supply_loss=0.25, bounty=20
 )
+BATTLE: dict[str, Any] = {**COMMON, "rules": BATTLE_RULES}
 # How many robots of which kinds play.
 COMPANY: dict[str, dict[Level, dict[str, int]]] = {
     "ladder-gathering": {
@@ -98,9 +99,9 @@ COMPANY: dict[str, dict[Level, dict[str, int]]] = {
 }
 LADDERS: dict[str, tuple[str, dict[str, Any]]] = {  # of which track, with which options
     "ladder-gathering": ("gathering", COMMON),
-    "ladder-battle": ("battle", {**COMMON, "rules": BATTLE_RULES}),
+    "ladder-battle": ("battle", BATTLE),
     "ladder-gathering-v2": ("gathering", COMMON),
-    "ladder-battle-v2": ("battle", {**COMMON, "rules": BATTLE_RULES}),
+    "ladder-battle-v2": ("battle", BATTLE),
 }
 
 
